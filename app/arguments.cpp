@@ -1,0 +1,78 @@
+#include "app/arguments.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "talus/failure.hpp"
+
+namespace talus::app {
+namespace {
+
+// '.' in any locale, and the whole word or nothing.
+std::optional<double> number(std::string_view word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size() || std::isnan(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+Metres parse_tolerance(const std::string& word) {
+  const std::optional<double> value = number(word);
+  if (!value || *value < 0) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--tolerance takes metres, 0 or more, or inf; \"{}\" is not that", word));
+  }
+  return Metres{*value};
+}
+
+Rectangle parse_bbox(const std::string& word) {
+  std::vector<double> numbers;
+  for (std::string_view rest = word;;) {
+    const std::size_t comma = rest.find(',');
+    const std::optional<double> value = number(rest.substr(0, comma));
+    if (!value || !std::isfinite(*value)) {
+      numbers.clear();
+      break;
+    }
+    numbers.push_back(*value);
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  if (numbers.size() != 4) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--bbox takes four numbers, XMIN,YMIN,XMAX,YMAX; \"{}\" is not that", word));
+  }
+  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+double parse_weight(const std::string& word) {
+  const std::optional<double> value = number(word);
+  if (!value || *value < 0 || !std::isfinite(*value)) {
+    throw Failure(Cause::invalid_argument, fmt::format("--void-weight takes a number, 0 or more; \"{}\" is not that", word));
+  }
+  return *value;
+}
+
+std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
+  std::vector<std::string> joined;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--void-weight";
+    if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
+        arguments[i + 1][1] != '-') {
+      joined.push_back(word + "=" + arguments[++i]);
+    } else {
+      joined.push_back(word);
+    }
+  }
+  return joined;
+}
+
+}  // namespace talus::app

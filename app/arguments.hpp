@@ -1,0 +1,21 @@
+#pragma once
+// Words of the command line that mean something to us.
+
+#include <string>
+#include <vector>
+
+#include "talus/units.hpp"
+
+namespace talus::app {
+
+/// Metres from 0 to "inf". Fails with invalid_argument, naming option and value.
+[[nodiscard]] Metres parse_tolerance(const std::string& word);
+/// "XMIN,YMIN,XMAX,YMAX", four finite numbers; which is larger is the query's business.
+[[nodiscard]] Rectangle parse_bbox(const std::string& word);
+/// A number of at least 0, finite.
+[[nodiscard]] double parse_weight(const std::string& word);
+
+/// The arguments with "--bbox -1,2,3,4" made one word, "--bbox=-1,2,3,4": a number is no option.
+[[nodiscard]] std::vector<std::string> join_numbers(std::vector<std::string> arguments);
+
+}  // namespace talus::app

@@ -1,0 +1,113 @@
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "app/commands.hpp"
+#include "app/report.hpp"
+#include "talus/database.hpp"
+
+namespace talus::app {
+namespace {
+
+struct Request {
+  std::string database;
+  bool json = false;
+};
+
+// The name of a coordinate system is the first quoted text of its WKT.
+std::string crs_name(const std::string& wkt) {
+  if (wkt.empty()) return "none, cells count as metres";
+  const std::size_t open = wkt.find('"');
+  const std::size_t close = open == std::string::npos ? open : wkt.find('"', open + 1);
+  return close == std::string::npos ? "unnamed" : wkt.substr(open + 1, close - open - 1);
+}
+
+std::string step_text(const HeightStep& step, const std::string& unit) {
+  if (!step.integer) return "none, floats as they came";
+  const std::string size = fmt::format("{} {}", step.scale / step.divisor, unit);
+  return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
+}
+
+Json to_json(const Request& request, const Description& d, const StorageSummary& s) {
+  Json bands = Json::array();
+  for (const BandSummary& band : s.bands) {
+    bands.push_back({{"spacing", band.spacing}, {"pages", band.pages}, {"bytes", band.bytes}});
+  }
+  return Json{{"database", request.database},
+              {"format_version", s.format_version},
+              {"source", d.source_name},
+              {"type", d.source_type},
+              {"cols", d.extent.cols()},
+              {"rows", d.extent.rows()},
+              {"region", bounds(d, d.extent)},
+              {"cell", {d.mapping.dx, -d.mapping.dy}},
+              {"crs", d.crs_wkt},
+              {"vertical_unit", d.vertical_unit},
+              {"metres_per_unit", d.metres_per_unit},
+              {"height_step",
+               {{"scale", d.step.scale},
+                {"divisor", d.step.divisor},
+                {"offset", d.step.offset},
+                {"integer", d.step.integer}}},
+              {"minimum", d.minimum},
+              {"maximum", d.maximum},
+              {"void_samples", d.void_samples},
+              {"void_weight", d.void_weight},
+              {"file_bytes", s.file_bytes},
+              {"pages", s.pages},
+              {"page_bytes", s.page_bytes},
+              {"bands", bands}};
+}
+
+Table to_table(const Request& request, const Description& d, const StorageSummary& s) {
+  const auto samples = static_cast<std::uint64_t>(d.extent.samples());
+  Table table;
+  table.add("database", fmt::format("{}, {}, format {}", request.database, sized(s.file_bytes), s.format_version));
+  table.add("source", fmt::format("{}, {}", d.source_name, d.source_type));
+  table.add("samples", fmt::format("{} x {}, {} of {} void", d.extent.cols(), d.extent.rows(), counted(d.void_samples),
+                                   counted(samples)));
+  table.add("region", fmt::format("x {} to {}, y {} to {} (pixel centres)", d.mapping.x(d.extent.first.col),
+                                  d.mapping.x(d.extent.last.col), d.mapping.y(d.extent.last.row),
+                                  d.mapping.y(d.extent.first.row)));
+  table.add("cell", fmt::format("{} x {}", d.mapping.dx, -d.mapping.dy));
+  table.add("crs", crs_name(d.crs_wkt));
+  table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
+  table.add("height step", step_text(d.step, d.vertical_unit));
+  table.add("void weight", fmt::format("{}", d.void_weight));
+  table.add("pages", fmt::format("{}, {}, {:.2f} bits a sample", counted(s.pages), sized(s.page_bytes),
+                                 8.0 * static_cast<double>(s.page_bytes) / static_cast<double>(samples)));
+  for (const BandSummary& band : s.bands) {
+    table.add("", fmt::format("spacing {:>6}: {:>9} pages, {}", band.spacing, counted(band.pages), sized(band.bytes)));
+  }
+  return table;
+}
+
+Exit run(const Request& request) {
+  const Snapshot now = Database::open(request.database).snapshot();
+  if (request.json) {
+    print(to_json(request, now.description(), now.storage()));
+  } else {
+    print(to_table(request, now.description(), now.storage()));
+  }
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_info(CLI::App& program, Action& action) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = program.add_subcommand("info", "Say what a database holds");
+  command->description(
+      "Say what a database holds: source, size, coordinates, heights, pages.\n"
+      "\n"
+      "Coordinates are those of the database's CRS and name samples, which are pixel centres; heights are\n"
+      "in the source's vertical unit. Pages are listed by the spacing, in cells, of their finest vertices.");
+  command->add_option("DATABASE", request->database, "Database file")->required();
+  command->add_flag("--json", request->json, "Print one JSON object");
+  command->footer("\nExample:\n  talus info alps.talus");
+  command->callback([request, &action] { action = [request] { return run(*request); }; });
+}
+
+}  // namespace talus::app

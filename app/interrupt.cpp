@@ -1,0 +1,43 @@
+#include "app/interrupt.hpp"
+
+#include <unistd.h>
+
+#include "app/commands.hpp"
+
+namespace talus::app {
+namespace {
+
+volatile std::sig_atomic_t noted = 0;
+
+void install(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;  // what is being read or written goes on until somebody looks
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace
+
+void exit_when_interrupted() {
+  install([](int) { ::_exit(static_cast<int>(Exit::interrupted)); });
+}
+
+void note_interrupts() {
+  install([](int) { noted = 1; });
+}
+
+bool interrupted() { return noted != 0; }
+
+HoldInterrupts::HoldInterrupts() {
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGINT);
+  sigaddset(&held, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &held, &before_);
+}
+
+HoldInterrupts::~HoldInterrupts() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+}  // namespace talus::app

@@ -1,0 +1,98 @@
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/arguments.hpp"
+#include "app/commands.hpp"
+#include "app/interrupt.hpp"
+#include "query/export/writers.hpp"
+#include "app/report.hpp"
+#include "talus/database.hpp"
+
+namespace talus::app {
+namespace {
+
+struct Request {
+  std::string database, tolerance, bbox;
+  std::vector<std::string> outputs;
+  bool json = false;
+};
+
+Exit run(const Request& request) {
+  const Metres tolerance = parse_tolerance(request.tolerance);
+  std::optional<Rectangle> rectangle;
+  if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
+  for (const std::string& output : request.outputs) check_mesh_file(output);
+
+  const Snapshot now = Database::open(request.database).snapshot();
+  const Description& description = now.description();
+  const auto start = std::chrono::steady_clock::now();
+  const GridRect region = rectangle ? now.region(*rectangle) : description.extent;
+  const Answer answer = now.range(region, tolerance);
+  const Mesh mesh = triangulate(answer.quadtree);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  for (const std::string& output : request.outputs) {
+    const HoldInterrupts whole_file_or_none;
+    write_mesh(mesh, description, output);
+  }
+
+  if (request.json) {
+    print(Json{{"region", bounds(description, mesh.region)},
+               {"tolerance", tolerance.value},
+               {"bound", answer.quadtree.bound.value},
+               {"vertices", mesh.points.size()},
+               {"triangles", mesh.triangles.size()},
+               {"pages_read", answer.cost.pages_read},
+               {"bytes_read", answer.cost.bytes_read},
+               {"seconds", seconds},
+               {"output", request.outputs}});
+    return Exit::done;
+  }
+  Table table;
+  table.add("region", bounds_text(description, mesh.region));
+  table.add("tolerance", metres(tolerance.value));
+  table.add("bound", metres(answer.quadtree.bound.value));
+  table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.points.size()), counted(mesh.triangles.size())));
+  table.add("read", fmt::format("{} pages, {}", counted(answer.cost.pages_read), sized(answer.cost.bytes_read)));
+  table.add("time", timed(seconds));
+  for (const std::string& output : request.outputs) table.add("output", output);
+  print(table);
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_query(CLI::App& program, Action& action) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
+  command->description(
+      "Answer a rectangle at a tolerance with a crack-free mesh: every covered sample of the rectangle lies\n"
+      "within the tolerance of its surface.\n"
+      "\n"
+      "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
+      "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
+      "out in the source's vertical unit.");
+  command->add_option("DATABASE", request->database, "Database file")->required();
+  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M REQUIRED")->required();
+  command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
+  command->add_option("-o,--output", request->outputs,
+                      "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
+                      "picture). Repeat it for more than one; an existing file is replaced")
+      ->option_text("OUT ...")
+      ->type_size(1)
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_flag("--json", request->json, "Print one JSON object");
+  command->footer(
+      "\nExample:\n"
+      "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png");
+  command->callback([request, &action] { action = [request] { return run(*request); }; });
+}
+
+}  // namespace talus::app

@@ -1,0 +1,71 @@
+#include "app/report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "talus/failure.hpp"
+
+namespace talus::app {
+namespace {
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+  const int code = errno;
+  throw Failure(code == ENOSPC ? Cause::full : Cause::io,
+                fmt::format("cannot write to standard output: {}", std::strerror(code)));
+}
+
+}  // namespace
+
+std::string Table::text() const {
+  std::size_t width = 0;
+  for (const auto& [name, value] : lines_) width = std::max(width, name.size());
+  std::string text;
+  for (const auto& [name, value] : lines_) text += fmt::format("{:<{}}  {}\n", name, width, value);
+  return text;
+}
+
+void print(const Json& object) { print(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
+void print(const Table& table) { print(table.text()); }
+
+std::string counted(std::uint64_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  return text;
+}
+
+std::string sized(std::uint64_t bytes) {
+  constexpr std::array<const char*, 5> kUnits{"bytes", "kB", "MB", "GB", "TB"};
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  return unit == 0 ? fmt::format("{} bytes", bytes) : fmt::format("{:.3g} {}", value, kUnits[unit]);
+}
+
+std::string timed(double seconds) {
+  return seconds < 1 ? fmt::format("{:.3g} ms", seconds * 1000) : fmt::format("{:.3g} s", seconds);
+}
+
+std::string metres(double value) { return std::isinf(value) ? "infinite" : fmt::format("{} m", value); }
+
+std::string rounded(double value) { return fmt::format("{:.7g}", value); }
+
+Json bounds(const Description& d, GridRect region) {
+  return Json::array({d.mapping.x(region.first.col), d.mapping.y(region.last.row), d.mapping.x(region.last.col),
+                      d.mapping.y(region.first.row)});
+}
+
+std::string bounds_text(const Description& d, GridRect region) {
+  return fmt::format("x {} to {}, y {} to {} ({} x {} samples)", d.mapping.x(region.first.col),
+                     d.mapping.x(region.last.col), d.mapping.y(region.last.row), d.mapping.y(region.first.row),
+                     region.cols(), region.rows());
+}
+
+}  // namespace talus::app

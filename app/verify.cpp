@@ -1,0 +1,113 @@
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "app/arguments.hpp"
+#include "app/commands.hpp"
+#include "app/report.hpp"
+#include "talus/database.hpp"
+#include "talus/ingest.hpp"
+
+namespace talus::app {
+namespace {
+
+struct Request {
+  std::string database, against, tolerance;
+  bool json = false;
+};
+
+VerifyReport check(const Request& request, std::optional<Metres> tolerance) {
+  const Snapshot now = Database::open(request.database).snapshot();
+  if (request.against.empty()) return verify(now);
+  const Raster raster{request.against};
+  const GridRect ours = now.description().extent, theirs = raster.description().extent;
+  if (ours != theirs) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
+                              request.database, ours.cols(), ours.rows(), request.against, theirs.cols(), theirs.rows()));
+  }
+  const SampleReader truth = [&](GridRect part) { return raster.read(part); };
+  return tolerance ? verify(now, truth, *tolerance) : verify(now, truth);
+}
+
+// The surface is double arithmetic on heights: a nanometre, and a part in 10¹², is rounding.
+bool is_sound(const VerifyReport& report, std::optional<Metres> tolerance) {
+  if (report.finding_count > 0 || report.uncovered_samples > 0) return false;
+  if (!tolerance || !report.true_error) return true;
+  return report.true_error->value <= tolerance->value * (1 + 1e-12) + 1e-9;
+}
+
+Json to_json(const VerifyReport& report, std::optional<Metres> tolerance) {
+  Json json{{"pages", report.pages},
+            {"samples", report.samples},
+            {"findings", report.findings},
+            {"finding_count", report.finding_count}};
+  if (tolerance && report.true_error) {
+    json["true_error"] = report.true_error->value;
+    json["tolerance"] = tolerance->value;
+    json["vertices"] = report.vertices;
+    json["triangles"] = report.triangles;
+    json["covered_samples"] = report.covered_samples;
+    json["uncovered_samples"] = report.uncovered_samples;
+  }
+  return json;
+}
+
+Table to_table(const Request& request, const VerifyReport& report, std::optional<Metres> tolerance) {
+  Table table;
+  table.add("checked", fmt::format("{} pages, {} samples{}", counted(report.pages), counted(report.samples),
+                                   request.against.empty() ? "" : " against " + request.against));
+  if (tolerance && report.true_error) {
+    table.add("mesh", fmt::format("{} vertices, {} triangles", counted(report.vertices), counted(report.triangles)));
+    table.add("tolerance", metres(tolerance->value));
+    table.add("true error", fmt::format("{}, over {} covered samples", metres(report.true_error->value),
+                                        counted(report.covered_samples)));
+    if (report.uncovered_samples > 0) table.add("uncovered", fmt::format("{} samples", counted(report.uncovered_samples)));
+  }
+  for (const std::string& finding : report.findings) table.add("finding", finding);
+  if (report.finding_count > report.findings.size()) {
+    table.add("", fmt::format("and {} more", counted(report.finding_count - report.findings.size())));
+  }
+  table.add("verdict", is_sound(report, tolerance) ? "sound" : "NOT SOUND");
+  return table;
+}
+
+Exit run(const Request& request) {
+  std::optional<Metres> tolerance;
+  if (!request.tolerance.empty()) {
+    if (request.against.empty()) {
+      throw Failure(Cause::invalid_argument, "--tolerance needs --against: the true error is measured on the raster");
+    }
+    tolerance = parse_tolerance(request.tolerance);
+  }
+  const VerifyReport report = check(request, tolerance);
+  if (request.json) {
+    print(to_json(report, tolerance));
+  } else {
+    print(to_table(request, report, tolerance));
+  }
+  return is_sound(report, tolerance) ? Exit::done : Exit::corrupt;
+}
+
+}  // namespace
+
+void add_verify(CLI::App& program, Action& action) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = program.add_subcommand("verify", "Check a database, and hold it against its raster");
+  command->description(
+      "Check a database: every page's checksum and content, page tables against pages, errors never below\n"
+      "their children's. With --against also every stored sample against the raster, bit for bit; with\n"
+      "--tolerance also the true error, in metres, of that answer: its mesh laid over every sample.\n"
+      "\n"
+      "Exit code 3 if anything is wrong.");
+  command->add_option("DATABASE", request->database, "Database file")->required();
+  command->add_option("--against", request->against, "The raster the database was made from")->option_text("DEM");
+  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")->option_text("M");
+  command->add_flag("--json", request->json, "Print one JSON object");
+  command->footer("\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");
+  command->callback([request, &action] { action = [request] { return run(*request); }; });
+}
+
+}  // namespace talus::app

@@ -1,0 +1,67 @@
+#include "engine/border.hpp"
+
+#include <algorithm>
+
+namespace talus {
+namespace {
+
+std::int32_t lowest_bit(std::int32_t v) { return v == 0 ? kRootSpacing : v & -v; }
+
+/// place(v) → the grid point at position v of a side that runs along `fixed`.
+template <class Place, class Take>
+void cut_side(std::int32_t fixed, std::int32_t from, std::int32_t to, Place&& place, Take&& take) {
+  for (std::int32_t at = from; at < to;) {
+    std::int32_t length = std::min({lowest_bit(fixed), lowest_bit(at), kLongestBorderEdge});
+    while (length > to - at) length /= 2;
+    // One end has exactly one odd coordinate, counted in lengths: along an even line the odd end, along an
+    // odd line the even one.
+    const bool start_odd = (at / length & 1) != 0, line_odd = (fixed / length & 1) != 0;
+    take(place(start_odd != line_odd ? at : at + length));
+    at += length;
+  }
+}
+
+}  // namespace
+
+std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
+  // By log2 of the spacing, finest first: a vertex's parents are never finer than itself, and a side
+  // midpoint's parents, centres, have its own spacing.
+  std::vector<std::vector<GridPoint>> levels(31);
+  const auto take = [&](GridPoint p) { levels[static_cast<std::size_t>(height_in_tree(p))].push_back(p); };
+  const auto& [first, last] = region;
+  for (const std::int32_t row : {first.row, last.row}) {
+    cut_side(row, first.col, last.col, [&](std::int32_t v) { return GridPoint{v, row}; }, take);
+  }
+  for (const std::int32_t col : {first.col, last.col}) {
+    cut_side(col, first.row, last.row, [&](std::int32_t v) { return GridPoint{col, v}; }, take);
+  }
+  for (const GridPoint corner : {first, last, GridPoint{first.col, last.row}, GridPoint{last.col, first.row}}) take(corner);
+
+  const auto settle = [](std::vector<GridPoint>& level) {
+    std::sort(level.begin(), level.end(), [](GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row : a.col < b.col; });
+    level.erase(std::unique(level.begin(), level.end()), level.end());
+  };
+  for (std::size_t shift = 0; shift < levels.size(); ++shift) {
+    if (std::int64_t{1} << shift >= root) break;  // root corners depend on nothing
+    settle(levels[shift]);
+    const std::size_t before = levels[shift].size();
+    for (std::size_t i = 0; i < before; ++i) {
+      const GridPoint p = levels[shift][i];
+      if (!is_centre(p)) for (const GridPoint parent : diamond(p).apexes) take(parent);
+    }
+    settle(levels[shift]);
+    for (const GridPoint p : std::vector(levels[shift])) {
+      if (is_centre(p)) for (const GridPoint parent : diamond(p).apexes) take(parent);
+    }
+  }
+  std::vector<GridPoint> inside;
+  for (auto& level : levels) {
+    settle(level);
+    for (const GridPoint p : level) {
+      if (region.contains(p)) inside.push_back(p);
+    }
+  }
+  return inside;
+}
+
+}  // namespace talus

@@ -1,0 +1,17 @@
+#include "talus/failure.hpp"
+
+namespace talus {
+
+std::string_view to_string(Cause cause) {
+  switch (cause) {
+    case Cause::invalid_argument: return "invalid argument";
+    case Cause::not_found: return "not found";
+    case Cause::corrupt: return "corrupt";
+    case Cause::unsupported: return "unsupported";
+    case Cause::full: return "disk full";
+    case Cause::io: return "i/o";
+  }
+  return "unknown cause";  // a number from a later version, handed through the C interface
+}
+
+}  // namespace talus

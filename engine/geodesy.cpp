@@ -1,0 +1,46 @@
+#include "engine/geodesy.hpp"
+
+#include <GeographicLib/Ellipsoid.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace talus {
+
+GroundScale GroundScale::planar(Metres cell_width, Metres cell_height) {
+  GroundScale scale;
+  scale.width_m_ = {cell_width.value};
+  scale.height_m_ = {cell_height.value};
+  return scale;
+}
+
+GroundScale GroundScale::geographic(const GridMapping& degrees, GridRect extent, Metres radius, double flattening) {
+  const GeographicLib::Ellipsoid ellipsoid(radius.value, flattening);
+  constexpr double kPerDegree = std::numbers::pi / 180;
+  GroundScale scale;
+  scale.first_row_ = extent.first.row;
+  for (std::int32_t row = extent.first.row; row <= extent.last.row; ++row) {
+    const double latitude = std::clamp(degrees.y(row), -90.0, 90.0);
+    scale.width_m_.push_back(ellipsoid.CircleRadius(latitude) * kPerDegree * std::abs(degrees.dx));
+    scale.height_m_.push_back(ellipsoid.MeridionalCurvatureRadius(latitude) * kPerDegree * std::abs(degrees.dy));
+  }
+  scale.widest_row_ = extent.first.row + static_cast<std::int32_t>(
+      std::max_element(scale.width_m_.begin(), scale.width_m_.end()) - scale.width_m_.begin());
+  return scale;
+}
+
+Metres GroundScale::longest_side(const HalfDiamond& t) const {
+  const auto at = [&](const std::vector<double>& by_row, std::int32_t row) {
+    const auto last = static_cast<std::int32_t>(by_row.size()) - 1;
+    return by_row[static_cast<std::size_t>(std::clamp(row - first_row_, 0, last))];
+  };
+  // Cells get narrower and taller away from the equator.
+  const std::int32_t top = t.top(), bottom = t.bottom();
+  const double width = at(width_m_, std::clamp(widest_row_, top, bottom));
+  const double height = std::max(at(height_m_, top), at(height_m_, bottom));
+  const auto length = [&](GridPoint p, GridPoint q) { return std::hypot((p.col - q.col) * width, (p.row - q.row) * height); };
+  return Metres{std::max({length(t.a, t.b), length(t.a, t.apex), length(t.b, t.apex)})};
+}
+
+}  // namespace talus

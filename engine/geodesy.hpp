@@ -1,0 +1,28 @@
+#pragma once
+// Ground sizes of cells.
+
+#include <vector>
+
+#include "engine/half_diamond.hpp"
+#include "talus/units.hpp"
+
+namespace talus {
+
+/// How large cells are on the ground, row by row: what a triangle's sides measure in metres.
+class GroundScale {
+ public:
+  /// Cells of one size everywhere, in metres.
+  [[nodiscard]] static GroundScale planar(Metres cell_width, Metres cell_height);
+  /// Cells in degrees on an ellipsoid (equatorial radius in metres, flattening); beyond a pole counts as the pole.
+  [[nodiscard]] static GroundScale geographic(const GridMapping& degrees, GridRect extent, Metres radius, double flattening);
+
+  /// At least the longest side of a triangle, with cells as large as they get on its rows.
+  [[nodiscard]] Metres longest_side(const HalfDiamond& t) const;
+
+ private:
+  std::int32_t first_row_ = 0;
+  std::vector<double> width_m_, height_m_;  // by row; one entry: the same everywhere
+  std::int32_t widest_row_ = 0;
+};
+
+}  // namespace talus

@@ -1,0 +1,93 @@
+#pragma once
+// One value for every vertex of every level, those just outside the extent included.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/grid.hpp"
+
+namespace talus {
+
+/// Arrays by level, each over the vertices of its spacing within four spacings of the extent. That far
+/// reach the ancestors of a vertex inside: descendants of a vertex of spacing s lie within 3s of it.
+/// Memory: 1⅓ values a sample plus a rim.
+template <class Value>
+class LevelGrid {
+ public:
+  LevelGrid(GridRect extent, Value initial) : root_(root_side(extent)) {
+    for (int shift = 0; (std::int32_t{1} << shift) < root_; ++shift) {
+      Level level;
+      level.first_col = (extent.first.col >> shift) - kRim;
+      level.first_row = (extent.first.row >> shift) - kRim;
+      level.cols = (extent.last.col >> shift) + kRim - level.first_col + 1;
+      level.rows = (extent.last.row >> shift) + kRim - level.first_row + 1;
+      level.values.assign(static_cast<std::size_t>(level.cols) * static_cast<std::size_t>(level.rows), initial);
+      levels_.push_back(std::move(level));
+    }
+  }
+
+  [[nodiscard]] int levels() const { return static_cast<int>(levels_.size()); }
+  [[nodiscard]] std::int32_t root() const { return root_; }
+  /// Whether p is below the root corners and within the rim.
+  [[nodiscard]] bool holds(GridPoint p) const {
+    const int shift = height_in_tree(p);
+    return shift < levels() && levels_[static_cast<std::size_t>(shift)].holds(p, shift);
+  }
+  [[nodiscard]] Value& operator[](GridPoint p) {
+    const int shift = height_in_tree(p);
+    Level& level = levels_[static_cast<std::size_t>(shift)];
+    return level.values[level.index(p, shift)];
+  }
+  [[nodiscard]] const Value& operator[](GridPoint p) const { return const_cast<LevelGrid&>(*this)[p]; }
+
+  /// The vertices of one level in its own units: (col, row) stands for (col << shift, row << shift).
+  struct Units {
+    Value* values = nullptr;  ///< from (first_col, first_row), row by row
+    std::ptrdiff_t stride = 0;
+    std::int32_t first_col = 0, last_col = -1, first_row = 0, last_row = -1;  ///< rim included
+    [[nodiscard]] Value& at(std::int32_t col, std::int32_t row) const { return values[(row - first_row) * stride + (col - first_col)]; }
+    [[nodiscard]] bool holds(std::int32_t col, std::int32_t row) const {
+      return col >= first_col && col <= last_col && row >= first_row && row <= last_row;
+    }
+  };
+  [[nodiscard]] Units units(int shift) {
+    Level& l = levels_[static_cast<std::size_t>(shift)];
+    return {l.values.data(), l.cols, l.first_col,
+            l.first_col + l.cols - 1, l.first_row, l.first_row + l.rows - 1};
+  }
+
+  /// visit(GridPoint) for each vertex of one level, the centres or the side midpoints, rim included.
+  template <class Visit>
+  void for_each(int shift, bool centres, Visit&& visit) const {
+    const Level& level = levels_[static_cast<std::size_t>(shift)];
+    for (std::int32_t row = level.first_row; row < level.first_row + level.rows; ++row) {
+      const bool row_odd = (row & 1) != 0;
+      if (centres && !row_odd) continue;
+      const std::int32_t wanted = centres || !row_odd ? 1 : 0;  // parity of the column
+      const std::int32_t start = level.first_col + ((level.first_col & 1) == wanted ? 0 : 1);
+      for (std::int32_t col = start; col < level.first_col + level.cols; col += 2) {
+        visit(GridPoint{col * (std::int32_t{1} << shift), row * (std::int32_t{1} << shift)});
+      }
+    }
+  }
+
+ private:
+  static constexpr std::int32_t kRim = 4;
+  struct Level {
+    std::int32_t first_col = 0, first_row = 0, cols = 0, rows = 0;
+    std::vector<Value> values;
+    [[nodiscard]] bool holds(GridPoint p, int shift) const {
+      const std::int32_t col = (p.col >> shift) - first_col, row = (p.row >> shift) - first_row;
+      return col >= 0 && row >= 0 && col < cols && row < rows;
+    }
+    [[nodiscard]] std::size_t index(GridPoint p, int shift) const {
+      return static_cast<std::size_t>((p.row >> shift) - first_row) * static_cast<std::size_t>(cols) +
+             static_cast<std::size_t>((p.col >> shift) - first_col);
+    }
+  };
+  std::int32_t root_;
+  std::vector<Level> levels_;
+};
+
+}  // namespace talus

@@ -1,0 +1,98 @@
+#include "engine/manifest.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "engine/page_layout.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+using Json = nlohmann::json;
+
+/// What keeps later arithmetic inside its types, whatever the bytes say.
+void require_plausible(const Manifest& m) {
+  const auto refuse = [](const char* what) { throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", what)); };
+  const Description& d = m.description;
+  const auto within = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
+  if (!within(d.extent.first.col) || !within(d.extent.first.row) || !within(d.extent.last.col) || !within(d.extent.last.row) ||
+      d.extent.cols() < 1 || d.extent.rows() < 1) {
+    refuse("impossible extent");
+  }
+  if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
+  for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor, d.step.offset,
+                         d.metres_per_unit, d.minimum, d.maximum, d.void_weight}) {
+    if (!std::isfinite(v)) refuse("a number that is none");
+  }
+  if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
+  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0) refuse("impossible height step");
+}
+
+}  // namespace
+
+std::vector<std::byte> encode(const Manifest& m) {
+  const Description& d = m.description;
+  const Json json = {
+      {"talus", kFormatVersion},
+      {"layout", {{"band_levels", kBandLevels}, {"page_side", kPageSide}, {"bands", m.bands}}},
+      {"extent", {d.extent.first.col, d.extent.first.row, d.extent.last.col, d.extent.last.row}},
+      {"mapping", {{"x0", d.mapping.x0}, {"y0", d.mapping.y0}, {"dx", d.mapping.dx}, {"dy", d.mapping.dy}}},
+      {"crs_wkt", d.crs_wkt},
+      {"source", {{"name", d.source_name}, {"type", d.source_type}}},
+      {"vertical", {{"unit", d.vertical_unit}, {"metres_per_unit", d.metres_per_unit}}},
+      {"step", {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
+      {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
+      {"errors", {{"kind", "exact"}, {"metric", "vertical"}, {"exact_arithmetic", m.exact}, {"void_weight", d.void_weight},
+                  {"lossy_bound", 0.0}}},
+  };
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+Manifest decode_manifest(std::span<const std::byte> bytes) {
+  const auto* text = reinterpret_cast<const char*>(bytes.data());
+  const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+  Manifest m;
+  try {
+    if (!json.is_object() || !json.contains("talus")) throw Failure(Cause::corrupt, "corrupt: header: not a Talus header");
+    if (const int version = json.at("talus"); version != kFormatVersion) {
+      throw Failure(Cause::unsupported, fmt::format("format version {}, this program reads version {}; ingest the source again or use "
+                                                    "the program that made the database", version, kFormatVersion));
+    }
+    const Json& layout = json.at("layout");
+    if (layout.at("band_levels") != kBandLevels || layout.at("page_side") != kPageSide) {
+      throw Failure(Cause::unsupported, fmt::format("pages of {} samples and bands of {} levels, this program reads {} and {}",
+                                                    layout.at("page_side").get<int>(), layout.at("band_levels").get<int>(),
+                                                    kPageSide, kBandLevels));
+    }
+    m.bands = layout.at("bands");
+    Description& d = m.description;
+    const auto extent = json.at("extent").get<std::array<std::int32_t, 4>>();
+    d.extent = {{extent[0], extent[1]}, {extent[2], extent[3]}};
+    const Json& mapping = json.at("mapping");
+    d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
+    d.crs_wkt = json.at("crs_wkt");
+    d.source_name = json.at("source").at("name");
+    d.source_type = json.at("source").at("type");
+    d.vertical_unit = json.at("vertical").at("unit");
+    d.metres_per_unit = json.at("vertical").at("metres_per_unit");
+    const Json& step = json.at("step");
+    d.step = {step.at("scale"), step.at("divisor"), step.at("offset"), step.at("integer")};
+    d.minimum = json.at("heights").at("minimum");
+    d.maximum = json.at("heights").at("maximum");
+    d.void_samples = json.at("heights").at("void_samples");
+    d.void_weight = json.at("errors").at("void_weight");
+    m.exact = json.at("errors").at("exact_arithmetic");
+  } catch (const Json::exception& e) {
+    throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", e.what()));
+  }
+  require_plausible(m);
+  return m;
+}
+
+}  // namespace talus

@@ -1,0 +1,14 @@
+#pragma once
+// Saturation: no vertex's error below one that depends on it, so that a threshold alone selects a set
+// closed under parents. [P98 §5, Eq. 3]
+
+#include "engine/vertex_error.hpp"
+
+namespace talus {
+
+/// Raises every error to the largest among its vertex's descendants, finest level first; each parent
+/// gathers from its children. Afterwards an error of zero means exactly: every covered sample of the diamond lies on
+/// the surface without the vertex. Linear time.
+void saturate(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
+
+}  // namespace talus

@@ -1,0 +1,184 @@
+// Errors of the vertices whose triangles are larger than a block.
+//
+// A slab is a plane through the samples of an 8×8 square and a radius: no sample of the square is farther
+// from the plane. Against a triangle's plane a slab bounds, from its four corners, how far any of its
+// samples can be. The slab with the highest bound is looked at sample by sample first, then only those whose
+// bound exceeds the largest distance so far: the result is exact, most samples are never touched.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "engine/vertex_error.hpp"
+
+namespace talus::detail {
+namespace {
+
+constexpr int kSlabShift = 3;
+constexpr std::int32_t kSlabSide = 1 << kSlabShift;
+constexpr double kHalf = (kSlabSide - 1) / 2.0;
+
+struct Slab {
+  double middle = 0, right = 0, down = 0;  ///< height at the square's middle, slopes per cell
+  double radius = -1;                      ///< negative: no sample that counts
+};
+
+class SlabErrors {
+ public:
+  SlabErrors(const ErrorInput& input, LevelGrid<ErrorCode>& errors)
+      : input_(input), field_(input.field), errors_(errors) {
+    const GridRect& e = field_.extent;
+    first_ = {e.first.col >> kSlabShift, e.first.row >> kSlabShift};
+    cols_ = (e.last.col >> kSlabShift) - first_.col + 1;
+    rows_ = (e.last.row >> kSlabShift) - first_.row + 1;
+    slabs_.resize(static_cast<std::size_t>(cols_) * static_cast<std::size_t>(rows_));
+    for (std::int32_t y = 0; y < rows_; ++y) {
+      for (std::int32_t x = 0; x < cols_; ++x) slab({first_.col + x, first_.row + y}) = fit({first_.col + x, first_.row + y});
+    }
+  }
+
+  void run() {
+    for (int shift = kBlockShift - 1; shift < errors_.levels(); ++shift) {
+      for (const bool centres : {false, true}) {
+        errors_.for_each(shift, centres, [&](GridPoint p) {
+          if (is_settled_in_block(p)) return;
+          settle(p, 0);
+          settle(p, 1);
+        });
+      }
+    }
+  }
+
+ private:
+  struct Candidate { std::int32_t x, y; double bound; };
+
+  Slab& slab(GridPoint at) {
+    return slabs_[static_cast<std::size_t>(at.row - first_.row) * static_cast<std::size_t>(cols_) +
+                  static_cast<std::size_t>(at.col - first_.col)];
+  }
+
+  [[nodiscard]] bool counts(std::size_t sample) const { return field_.covered.empty() || field_.covered[sample]; }
+
+  /// The samples of a slab.
+  [[nodiscard]] GridRect square(GridPoint at) const {
+    const GridRect& e = field_.extent;
+    const std::int32_t col = at.col * kSlabSide, row = at.row * kSlabSide;
+    return {{std::max(col, e.first.col), std::max(row, e.first.row)},
+            {std::min(col + kSlabSide - 1, e.last.col), std::min(row + kSlabSide - 1, e.last.row)}};
+  }
+
+  /// visit(col, row, height) for each that counts.
+  template <class Visit>
+  void for_each_sample(GridRect part, Visit&& visit) const {
+    for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+      for (std::int32_t col = part.first.col; col <= part.last.col; ++col) {
+        const std::size_t i = field_.index({col, row});
+        if (counts(i)) visit(col, row, field_.heights[i]);
+      }
+    }
+  }
+
+  /// Least squares where the square is whole, a level plane where it is not.
+  [[nodiscard]] Slab fit(GridPoint at) const {
+    const GridRect part = square(at);
+    const double middle_col = at.col * kSlabSide + kHalf, middle_row = at.row * kSlabSide + kHalf;
+    double sum = 0, along = 0, down = 0, largest = 0;
+    int count = 0;
+    for_each_sample(part, [&](std::int32_t col, std::int32_t row, double h) {
+      sum += h;
+      along += h * (col - middle_col);
+      down += h * (row - middle_row);
+      largest = std::max(largest, std::abs(h));
+      ++count;
+    });
+    if (count == 0) return {};
+    Slab slab{sum / count, 0, 0, 0};
+    if (count == kSlabSide * kSlabSide) {
+      constexpr double kSquares = kSlabSide * (kSlabSide * (kSlabSide * kSlabSide - 1) / 12.0);  // Σ (col − middle)²
+      slab.right = along / kSquares;
+      slab.down = down / kSquares;
+    }
+    for_each_sample(part, [&](std::int32_t col, std::int32_t row, double h) {
+      const double on_plane = slab.middle + slab.right * (col - middle_col) + slab.down * (row - middle_row);
+      slab.radius = std::max(slab.radius, std::abs(h - on_plane));
+    });
+    slab.radius += 1e-12 * (1 + largest);  // the bound must hold for the rounding here and below, too
+    return slab;
+  }
+
+  void settle(GridPoint p, int side) {
+    const HalfDiamond t = half_diamond(p, side);
+    if (!inside(t, field_.extent)) return;
+    const Holds holds = input_.voids == nullptr ? kData : input_.voids->half(p, side);
+    if ((holds & kData) == 0) return;
+    ErrorCode& code = errors_[p];
+    code = std::max(code, code_of(field_, largest_distance(t)));
+    if (holds == kMixed) code = std::max(code, error_code(mixed_error(input_, t)));
+  }
+
+  [[nodiscard]] double largest_distance(const HalfDiamond& t) {
+    const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field_[p]; });
+    candidates_.clear();
+    std::size_t best = 0;
+    for (std::int32_t y = t.top() >> kSlabShift; y <= t.bottom() >> kSlabShift; ++y) {
+      const auto [lo, hi] = columns_of_band(t, y);
+      for (std::int32_t x = lo >> kSlabShift; x <= hi >> kSlabShift; ++x) {
+        const Slab& s = slab({x, y});
+        if (s.radius < 0) continue;
+        const double at_middle = plane.base + plane.down * (y * kSlabSide + kHalf - plane.row) +
+                                 plane.right * (x * kSlabSide + kHalf - plane.col);
+        const double bound = std::abs(s.middle - at_middle) +
+                             kHalf * (std::abs(s.right - plane.right) + std::abs(s.down - plane.down)) + s.radius;
+        candidates_.push_back({x, y, bound});
+        if (bound > candidates_[best].bound) best = candidates_.size() - 1;
+      }
+    }
+    double largest = 0;
+    if (!candidates_.empty()) largest = look(t, plane, candidates_[best], largest);
+    for (const Candidate& c : candidates_) {
+      if (c.bound > largest) largest = look(t, plane, c, largest);
+    }
+    return largest;
+  }
+
+  /// Columns the triangle takes on any row of a row of slabs. Its width changes linearly but for one row.
+  [[nodiscard]] HalfDiamond::Columns columns_of_band(const HalfDiamond& t, std::int32_t y) const {
+    const std::int32_t first = std::max(t.top(), y * kSlabSide);
+    const std::int32_t last = std::min(t.bottom(), y * kSlabSide + kSlabSide - 1);
+    auto [lo, hi] = t.columns(first);
+    for (const std::int32_t row : {last, std::clamp(t.vertex.row, first, last)}) {
+      const auto more = t.columns(row);
+      lo = std::min(lo, more.lo);
+      hi = std::max(hi, more.hi);
+    }
+    return {lo, hi};
+  }
+
+  [[nodiscard]] double look(const HalfDiamond& t, const Plane<double>& plane, const Candidate& c, double largest) const {
+    const GridRect part = square({c.x, c.y});
+    for (std::int32_t row = std::max(part.first.row, t.top()); row <= std::min(part.last.row, t.bottom()); ++row) {
+      const auto [lo, hi] = t.columns(row);
+      const double start = plane.on_row(row);
+      for (std::int32_t col = std::max(part.first.col, lo); col <= std::min(part.last.col, hi); ++col) {
+        const std::size_t i = field_.index({col, row});
+        if (!counts(i)) continue;
+        largest = std::max(largest, std::abs(field_.heights[i] - (start + plane.right * (col - plane.col))));
+      }
+    }
+    return largest;
+  }
+
+  const ErrorInput& input_;
+  const HeightField& field_;
+  LevelGrid<ErrorCode>& errors_;
+  GridPoint first_;
+  std::int32_t cols_ = 0, rows_ = 0;
+  std::vector<Slab> slabs_;
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace
+
+void slab_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) { SlabErrors(input, errors).run(); }
+
+}  // namespace talus::detail

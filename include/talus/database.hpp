@@ -1,0 +1,131 @@
+#pragma once
+// Databases and the questions they answer.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "talus/description.hpp"
+#include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
+#include "talus/units.hpp"
+
+namespace talus {
+
+/// What an answer cost. Bytes are those of all page values fetched, header and coarse pages included.
+struct QueryCost {
+  std::uint64_t pages_read = 0, bytes_read = 0;
+  double seconds = 0;
+};
+
+struct Answer {
+  RestrictedQuadtree quadtree;
+  QueryCost cost;
+};
+
+struct BandSummary {
+  std::int32_t spacing = 1;  ///< of the finest vertices of this band's pages, in cells
+  std::uint64_t pages = 0, bytes = 0;
+};
+
+struct StorageSummary {
+  std::uint64_t file_bytes = 0, pages = 0, page_bytes = 0;
+  std::vector<BandSummary> bands;  ///< finest first
+  int format_version = 0;
+};
+
+/// One consistent view of a database. It may move between threads and be asked from several at once.
+/// Keep it short: as long as one lives, a writer cannot reuse the pages it sees.
+class Snapshot {
+ public:
+  ~Snapshot();
+  Snapshot(Snapshot&&) noexcept;
+  Snapshot& operator=(Snapshot&&) noexcept;
+
+  [[nodiscard]] const Description& description() const;
+  [[nodiscard]] StorageSummary storage() const;
+
+  /// The samples a rectangle covers: outward to grid lines (a coordinate within 10⁻⁶ cell of a line is
+  /// on it), then clipped to the raster.
+  /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster
+  [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
+
+  /// The restricted quadtree of a region at a tolerance, its border constrained: every covered sample
+  /// of the region lies within `tolerance` of the surface, no triangle leaves the region, and answers
+  /// at one tolerance for regions that share a whole side, each at least 16 cells deep across it, meet
+  /// without a crack.
+  ///
+  /// region     within the extent
+  /// tolerance  metres, >= 0, infinity allowed
+  /// returns    an empty quadtree's mesh has no triangles: only voids, or a region one sample wide
+  /// fails      invalid_argument; corrupt for a damaged page
+  /// cost       pages that hold something above the tolerance, their ancestors, and those on odd borders
+  /// source     [P98 §4, §9], design of the border: docs/architecture.md
+  [[nodiscard]] Answer range(GridRect region, Metres tolerance) const;
+
+  /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
+  [[nodiscard]] Mesh mesh(Metres tolerance) const;
+  [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
+
+  /// Stored samples, bit for bit as the source had them. `region` within the extent.
+  [[nodiscard]] SampleWindow samples(GridRect region) const;
+
+ private:
+  friend class Database;
+  friend const class StoredPages& pages_of(const Snapshot& snapshot);
+  struct View;
+  explicit Snapshot(std::unique_ptr<View> view);
+  std::unique_ptr<View> view_;
+};
+
+/// An open database file. Copies share one environment; a file is opened once per process.
+class Database {
+ public:
+  /// fails  not_found; corrupt: not a database or a damaged header; unsupported: another version
+  [[nodiscard]] static Database open(const std::filesystem::path& file);
+  [[nodiscard]] Snapshot snapshot() const;
+
+ private:
+  struct Opened;
+  explicit Database(std::shared_ptr<Opened> opened);
+  std::shared_ptr<Opened> opened_;
+};
+
+/// The unique conforming triangulation of a quadtree, without recursion. Linear time. [P98 §3]
+[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree);
+
+// ---- verify --------------------------------------------------------------------------------------
+
+/// What a check found. Empty `findings` means sound; each finding is a sentence naming page or sample.
+struct VerifyReport {
+  std::uint64_t pages = 0, samples = 0;     ///< checked
+  std::vector<std::string> findings;        ///< at most 20 are spelled out
+  std::uint64_t finding_count = 0;
+  std::optional<Metres> true_error;         ///< of the answer, by brute force, if a tolerance was given
+  std::uint64_t vertices = 0, triangles = 0, covered_samples = 0, uncovered_samples = 0;
+};
+
+/// Reads a rectangle of the truth to compare with.
+using SampleReader = std::function<SampleWindow(GridRect)>;
+
+/// Structure: every page's checksum and content, page tables against pages, errors never below their
+/// children's. Memory: a few rows of pages.
+[[nodiscard]] VerifyReport verify(const Snapshot& snapshot);
+/// That, and every stored sample against the truth, bit for bit.
+[[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth);
+/// That, and the true error of the whole answer at a tolerance: its mesh held against every sample.
+/// Memory: the mesh and a strip of samples.
+[[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth, Metres tolerance);
+
+// ---- export --------------------------------------------------------------------------------------
+
+/// Writes a mesh; the ending of `file` says how: .ply (binary little endian, double x y z), .obj, .png (a
+/// picture: shaded relief with the triangles over it). Written beside `file`, then renamed.
+/// fails  invalid_argument: another ending; io, full
+void write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file);
+
+}  // namespace talus

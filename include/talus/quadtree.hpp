@@ -1,0 +1,89 @@
+#pragma once
+// What a question returns: a restricted quadtree, and the mesh that follows from it.
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "talus/units.hpp"
+
+namespace talus {
+
+/// A set of grid points inside a rectangle: one bit a sample, row by row, and, once sealed, the rank
+/// of each member in that order. The ranks are the vertex numbers of an answer.
+class VertexMask {
+ public:
+  VertexMask() = default;
+  /// The empty set. Memory: one bit a sample of `region`, which the system hands out when touched.
+  explicit VertexMask(GridRect region);
+
+  [[nodiscard]] const GridRect& region() const { return region_; }
+  [[nodiscard]] bool contains(GridPoint p) const {  ///< p must lie in the region
+    const auto [word, bit] = place(p);
+    return (words_[word] >> bit & 1u) != 0;
+  }
+  void insert(GridPoint p) {
+    const auto [word, bit] = place(p);
+    words_[word] |= std::uint64_t{1} << bit;
+  }
+  /// Counts the members; `rank` and `size` hold from here until the next insert.
+  void seal();
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// How many members stand before p, row by row. p itself need not be a member.
+  [[nodiscard]] std::uint32_t rank(GridPoint p) const {
+    const auto [word, bit] = place(p);
+    return before_[word] + static_cast<std::uint32_t>(
+        std::popcount(words_[word] & ((std::uint64_t{1} << bit) - 1)));
+  }
+  /// Calls visit(GridPoint) for each member in rank order.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::int64_t row = 0; row < region_.rows(); ++row) {
+      const std::size_t start = static_cast<std::size_t>(row) * words_per_row_;
+      for (std::size_t w = 0; w < words_per_row_; ++w) {
+        for (std::uint64_t rest = words_[start + w]; rest != 0; rest &= rest - 1) {
+          const auto col = static_cast<std::int64_t>(w * 64) + std::countr_zero(rest);
+          visit(GridPoint{static_cast<std::int32_t>(region_.first.col + col),
+                          static_cast<std::int32_t>(region_.first.row + row)});
+        }
+      }
+    }
+  }
+
+ private:
+  struct Place { std::size_t word; unsigned bit; };
+  [[nodiscard]] Place place(GridPoint p) const {
+    const auto col = static_cast<std::size_t>(std::int64_t{p.col} - region_.first.col);
+    const auto row = static_cast<std::size_t>(std::int64_t{p.row} - region_.first.row);
+    return {row * words_per_row_ + col / 64, static_cast<unsigned>(col % 64)};
+  }
+  GridRect region_{{0, 0}, {-1, -1}};
+  std::size_t words_per_row_ = 0, size_ = 0;
+  std::vector<std::uint64_t> words_;
+  std::vector<std::uint32_t> before_;
+};
+
+/// A set of vertices closed under the dependency graph. It needs no stored topology: its
+/// triangulation is unique and conforming. [P98 §3]
+struct RestrictedQuadtree {
+  VertexMask vertices;           ///< over the region that was answered
+  std::vector<double> heights;   ///< by rank, in the source's vertical unit
+  /// By rank, four bits a vertex: which of the four triangles with this vertex at their right angle
+  /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
+  std::vector<std::uint8_t> covers;
+  Metres tolerance;              ///< as asked
+  Metres bound;                  ///< no covered sample is farther from the surface; at most `tolerance`
+                                 ///< plus, where heights are no binary fractions, a nanometre of rounding
+};
+
+/// An indexed triangle mesh over grid points.
+struct Mesh {
+  GridRect region;                                      ///< the outermost sample positions answered
+  std::vector<GridPoint> points;                        ///< each used by at least one triangle
+  std::vector<double> heights;                          ///< by point, in the source's vertical unit
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from above
+};
+
+}  // namespace talus

@@ -1,0 +1,58 @@
+#pragma once
+// Units, grid points and rectangles: the words every other header speaks.
+
+#include <compare>
+#include <cstdint>
+
+namespace talus {
+
+/// A number with a unit. Explicit in, `.value` out; only quantities of one tag add or compare.
+template <class Tag>
+struct Quantity {
+  double value{};
+  constexpr Quantity() = default;
+  constexpr explicit Quantity(double v) : value(v) {}
+  friend constexpr auto operator<=>(Quantity, Quantity) = default;
+  friend constexpr Quantity operator+(Quantity a, Quantity b) { return Quantity{a.value + b.value}; }
+  friend constexpr Quantity operator-(Quantity a, Quantity b) { return Quantity{a.value - b.value}; }
+};
+using Metres = Quantity<struct MetresTag>;
+using Degrees = Quantity<struct DegreesTag>;
+
+/// A place on the grid of samples. Column 0, row 0 is the north-west sample of the first source;
+/// columns run east, rows run south, both may be negative.
+struct GridPoint {
+  std::int32_t col{}, row{};
+  friend constexpr bool operator==(GridPoint, GridPoint) = default;
+};
+
+/// A rectangle of samples, both corners included. Its sides run through samples.
+struct GridRect {
+  GridPoint first, last;
+  friend constexpr bool operator==(GridRect, GridRect) = default;
+
+  [[nodiscard]] constexpr std::int64_t cols() const { return std::int64_t{last.col} - first.col + 1; }
+  [[nodiscard]] constexpr std::int64_t rows() const { return std::int64_t{last.row} - first.row + 1; }
+  [[nodiscard]] constexpr std::int64_t samples() const { return cols() * rows(); }
+  [[nodiscard]] constexpr bool contains(GridPoint p) const {
+    return p.col >= first.col && p.col <= last.col && p.row >= first.row && p.row <= last.row;
+  }
+};
+
+/// A rectangle in the coordinates of a database's CRS: X before Y, and xmin < xmax, ymin < ymax.
+/// Samples are pixel centres, so a rectangle that ends on the edge of a raster's outermost pixels
+/// ends half a cell beyond the outermost samples.
+struct Rectangle {
+  double xmin{}, ymin{}, xmax{}, ymax{};
+};
+
+/// Where samples stand in the CRS: sample (col, row) is at (x0 + col·dx, y0 + row·dy), a pixel
+/// centre. dx > 0 and dy < 0: rows run south whatever the source did.
+struct GridMapping {
+  double x0{}, y0{}, dx{1}, dy{-1};
+  friend constexpr bool operator==(GridMapping, GridMapping) = default;
+  [[nodiscard]] constexpr double x(std::int32_t col) const { return x0 + col * dx; }
+  [[nodiscard]] constexpr double y(std::int32_t row) const { return y0 + row * dy; }
+};
+
+}  // namespace talus

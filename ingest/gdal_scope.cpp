@@ -1,0 +1,41 @@
+#include "ingest/gdal_scope.hpp"
+
+#include <cstdio>
+#include <mutex>
+
+#include <cpl_conv.h>
+#include <gdal.h>
+
+namespace talus {
+
+GdalScope::GdalScope() {
+  static std::once_flag registered;
+  std::call_once(registered, [] { GDALAllRegister(); });
+  for (std::size_t i = 0; i < kSettings.size(); ++i) {
+    if (const char* old = CPLGetThreadLocalConfigOption(kSettings[i].name, nullptr)) before_[i] = old;
+    CPLSetThreadLocalConfigOption(kSettings[i].name, kSettings[i].value);
+  }
+  CPLPushErrorHandlerEx(&GdalScope::remember, words_.data());
+}
+
+GdalScope::~GdalScope() {
+  CPLPopErrorHandler();
+  for (std::size_t i = 0; i < kSettings.size(); ++i) {
+    CPLSetThreadLocalConfigOption(kSettings[i].name, before_[i] ? before_[i]->c_str() : nullptr);
+  }
+}
+
+std::string GdalScope::reason() const {
+  return words_[0] == '\0' ? std::string{} : ": " + std::string{words_.data()};
+}
+
+void GdalScope::remember(CPLErr severity, CPLErrorNum, const char* words) {
+  if (severity < CE_Failure) return;
+  auto* buffer = static_cast<char*>(CPLGetErrorHandlerUserData());
+  std::snprintf(buffer, std::tuple_size_v<decltype(words_)>, "%s", words);
+  for (char* c = buffer; *c != '\0'; ++c) {
+    if (*c == '\n' || *c == '\r') *c = ' ';  // a failure is one line
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,145 @@
+#include "ingest/pack.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+namespace talus {
+namespace {
+
+float rounded_down(double v) {
+  const auto f = static_cast<float>(v);
+  return f > v ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+}
+float rounded_up(double v) { return -rounded_down(-v); }
+
+class Packer {
+ public:
+  explicit Packer(const PackInput& input)
+      : in_(input), field_(input.errors_from.field), extent_(field_.extent), bands_(input.manifest.bands) {}
+
+  void run(const std::function<void(const Page&)>& take) {
+    for (int band = 0; band < bands_; ++band) {
+      std::unordered_map<std::uint64_t, ChildEntry> entries;
+      for (const PageId id : pages_of_band(band, extent_)) {
+        Page page = heights_of(id);
+        const ChildEntry entry = complete(page);
+        if (!entry.present) continue;
+        entries.emplace(curve_position(id), entry);
+        take(page);
+      }
+      below_ = std::move(entries);
+    }
+  }
+
+ private:
+  [[nodiscard]] Page heights_of(PageId id) const {
+    Page page;
+    page.id = id;
+    page.bands = bands_;
+    page.grid = page_grid(id, extent_);
+    const std::size_t n = page.grid.size();
+    page.heights.resize(n);
+    page.errors.assign(n, 0);
+    if (!in_.valid.empty()) page.valid.resize(n);
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const std::size_t from = field_.index(page.grid.at(col, row)), to = page.index(col, row);
+        page.heights[to] = field_.heights[from];
+        if (!in_.valid.empty()) page.valid[to] = in_.valid[from];
+      }
+    }
+    if (std::find(page.valid.begin(), page.valid.end(), 0) == page.valid.end()) page.valid.clear();
+    return page;
+  }
+
+  /// Errors, triangles with data, the table of pages below; returns what the page above must know.
+  ChildEntry complete(Page& page) const {
+    ChildEntry entry;
+    entry.present = page.valid.empty();
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    if (in_.errors_from.voids != nullptr) page.covers.assign(page.grid.size(), 0);
+    bool covers_differ = false;
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        const std::size_t i = page.index(col, row);
+        if (page.valid.empty() || page.valid[i]) {
+          const double height = in_.manifest.description.step.value(page.heights[i]);
+          lowest = std::min(lowest, height);
+          highest = std::max(highest, height);
+          entry.present = true;
+        }
+        if (!page.is_own(p)) continue;
+        page.errors[i] = spacing(p) >= in_.errors.root() ? kAlwaysSelected : in_.errors[p];
+        if (!page.covers.empty()) {
+          const std::uint8_t with_data = spacing(p) >= in_.errors.root() ? 15 : in_.errors_from.voids->apex_triangles_with_data(p);
+          entry.present = entry.present || with_data != 0 || page.errors[i] != 0;
+          page.covers[i] = static_cast<std::uint8_t>(with_data | leaving_extent(p));
+          covers_differ = covers_differ || page.covers[i] != 15;
+        }
+        entry.largest = std::max(entry.largest, page.errors[i]);
+      }
+    }
+    if (!covers_differ && page.valid.empty()) page.covers.clear();
+    imply_midpoints(page);
+    add_children(page, entry, lowest, highest);
+    entry.lowest = lowest <= highest ? rounded_down(lowest) : 0;
+    entry.highest = lowest <= highest ? rounded_up(highest) : 0;
+    return entry;
+  }
+
+  /// Triangles that leave the extent are never in a mesh; their bits are 1, so that pages of data only need none.
+  [[nodiscard]] std::uint8_t leaving_extent(GridPoint p) const {
+    if (spacing(p) == kRootSpacing) return 15;
+    std::uint8_t bits = 0;
+    const auto triangles = apex_triangles(p);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (!extent_.contains(triangles[i].left) || !extent_.contains(triangles[i].right)) bits = static_cast<std::uint8_t>(bits | 1u << i);
+    }
+    return bits;
+  }
+
+  static void imply_midpoints(Page& page) {
+    if (page.id.band != 0 || !page.valid.empty() || !page.covers.empty() || page.grid.cols < 2 || page.grid.rows < 2) return;
+    page.implied_midpoints = true;
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        if (page.is_implied(page.grid.at(col, row), col, row)) page.errors[page.index(col, row)] = 0;
+      }
+    }
+  }
+
+  void add_children(Page& page, ChildEntry& entry, double& lowest, double& highest) const {
+    if (page.id.band == 0) return;
+    page.children.resize(static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross);
+    for (std::int32_t y = 0; y < kChildrenAcross; ++y) {
+      for (std::int32_t x = 0; x < kChildrenAcross; ++x) {
+        const PageId id{page.id.band - 1, page.id.x * kChildrenAcross + x, page.id.y * kChildrenAcross + y};
+        const auto found = below_.find(curve_position(id));
+        if (found == below_.end()) continue;
+        const ChildEntry& child = found->second;
+        page.children[static_cast<std::size_t>(y * kChildrenAcross + x)] = child;
+        entry.present = true;
+        entry.largest = std::max(entry.largest, child.largest);
+        if (child.lowest <= child.highest) {
+          lowest = std::min<double>(lowest, child.lowest);
+          highest = std::max<double>(highest, child.highest);
+        }
+      }
+    }
+  }
+
+  const PackInput& in_;
+  const HeightField& field_;
+  GridRect extent_;
+  int bands_;
+  std::unordered_map<std::uint64_t, ChildEntry> below_;  // of the band before
+};
+
+}  // namespace
+
+void pack(const PackInput& input, const std::function<void(const Page&)>& take) { Packer(input).run(take); }
+
+}  // namespace talus

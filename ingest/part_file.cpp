@@ -1,0 +1,81 @@
+#include "ingest/part_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& file, int error) {
+  const Cause cause = error == ENOSPC || error == EDQUOT ? Cause::full : error == ENOENT ? Cause::not_found : Cause::io;
+  throw Failure(cause, fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)));
+}
+
+/// A mistyped command must not replace somebody's raster: only files of our kind are overwritten.
+bool looks_like_a_database(const fs::path& file) {
+  std::array<unsigned char, 20> head{};
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(reinterpret_cast<char*>(head.data()), head.size())) return false;
+  constexpr std::array<unsigned char, 4> kMagic{0xde, 0xc0, 0xef, 0xbe};
+  return std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0;
+}
+
+}  // namespace
+
+PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(database)), part_(database_.string() + ".part") {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(database_, ignored);
+  if (database_.filename().empty() || fs::is_directory(status)) {
+    throw Failure(Cause::invalid_argument, fmt::format("{}: a folder; a database is one file, name it", database_.string()));
+  }
+  if (fs::exists(status)) {
+    if (!overwrite) {
+      throw Failure(Cause::invalid_argument, fmt::format("{}: exists already; ask to overwrite it or choose another name", database_.string()));
+    }
+    if (!fs::is_regular_file(status) || !looks_like_a_database(database_)) {
+      throw Failure(Cause::invalid_argument, fmt::format("{}: exists and is no Talus database; it is left alone, remove it or choose another name",
+                                                         database_.string()));
+    }
+  }
+  handle_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+  if (handle_ < 0) fail(part_, errno);
+  if (::flock(handle_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(handle_);
+    throw Failure(Cause::invalid_argument, fmt::format("{}: another ingest is at work on it", part_.string()));
+  }
+  if (::ftruncate(handle_, 0) != 0) {  // what a killed ingest left
+    const int error = errno;
+    ::close(handle_);
+    fail(part_, error);
+  }
+}
+
+PartFile::~PartFile() {
+  if (!published_) ::unlink(part_.c_str());
+  ::close(handle_);
+}
+
+void PartFile::publish() {
+  if (::fsync(handle_) != 0) fail(part_, errno);
+  if (::rename(part_.c_str(), database_.c_str()) != 0) fail(database_, errno);
+  published_ = true;
+  const fs::path folder = database_.has_parent_path() ? database_.parent_path() : fs::path(".");
+  if (const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); handle >= 0) {
+    ::fsync(handle);  // the new name, too, survives a power cut
+    ::close(handle);
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,28 @@
+#pragma once
+// The file an ingest works in until it is whole.
+
+#include <filesystem>
+
+namespace talus {
+
+/// `database`.part: made empty and held against other ingests; removed unless published.
+class PartFile {
+ public:
+  /// fails  invalid_argument: the database exists and may not be overwritten, is no database at all, or
+  ///        another ingest is at work on it; not_found: no such folder; io
+  PartFile(std::filesystem::path database, bool overwrite);
+  ~PartFile();
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return part_; }
+  /// Puts the file in the database's place, in one step and for good.
+  void publish();
+
+ private:
+  std::filesystem::path database_, part_;
+  int handle_ = -1;
+  bool published_ = false;
+};
+
+}  // namespace talus

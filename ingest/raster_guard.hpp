@@ -1,0 +1,24 @@
+#pragma once
+// Which files may be opened at all.
+
+#include <filesystem>
+#include <string>
+
+namespace talus {
+
+/// Says yes to a raster file before GDAL believes it, so that opening it touches nothing but local
+/// files the caller can see: no network, no archive, no program, no file elsewhere.
+///
+/// A virtual raster (VRT) is accepted when it is plain bands of simple or complex sources, each a
+/// regular file below the virtual raster's own folder and acceptable itself. Side files that GDAL
+/// opens on its own (masks, overviews) are held to the same rule.
+struct AdmittedRaster {
+  std::filesystem::path file;  ///< absolute, symbolic links resolved: what is to be opened
+  std::string driver;          ///< the one GDAL driver to open it with
+};
+
+/// fails  not_found; unsupported: no local file, a driver not on the list, a virtual raster that
+///        reaches out; io
+[[nodiscard]] AdmittedRaster admit_raster(const std::filesystem::path& file);
+
+}  // namespace talus

@@ -1,0 +1,88 @@
+#include "talus/database.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/triangulation.hpp"
+#include "query/snapshot_view.hpp"
+
+namespace talus {
+
+struct Database::Opened {
+  PageStore store;
+};
+
+Database::Database(std::shared_ptr<Opened> opened) : opened_(std::move(opened)) {}
+
+Database Database::open(const std::filesystem::path& file) {
+  Database database(std::make_shared<Opened>(Opened{PageStore::open(file)}));
+  (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
+  return database;
+}
+
+Snapshot Database::snapshot() const {
+  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store)}));
+}
+
+Snapshot::Snapshot(std::unique_ptr<View> view) : view_(std::move(view)) {}
+Snapshot::~Snapshot() = default;
+Snapshot::Snapshot(Snapshot&&) noexcept = default;
+Snapshot& Snapshot::operator=(Snapshot&&) noexcept = default;
+
+const Description& Snapshot::description() const { return view_->pages.manifest().description; }
+
+const StoredPages& pages_of(const Snapshot& snapshot) { return snapshot.view_->pages; }
+
+StorageSummary Snapshot::storage() const {
+  const Manifest& manifest = view_->pages.manifest();
+  const ReadTxn& txn = view_->pages.transaction();
+  StorageSummary summary;
+  summary.format_version = kFormatVersion;
+  summary.file_bytes = txn.file_bytes();
+  for (int band = 0; band < manifest.bands; ++band) {
+    const TableSummary table = txn.summary(band);
+    summary.bands.push_back({band_spacing(band), table.pages, table.bytes});
+    summary.pages += table.pages;
+    summary.page_bytes += table.bytes;
+  }
+  return summary;
+}
+
+GridRect Snapshot::region(const Rectangle& r) const {
+  const Description& d = description();
+  const auto text = fmt::format("{},{},{},{}", r.xmin, r.ymin, r.xmax, r.ymax);
+  if (!(r.xmin < r.xmax) || !(r.ymin < r.ymax) || !std::isfinite(r.xmin) || !std::isfinite(r.ymin) || !std::isfinite(r.xmax) ||
+      !std::isfinite(r.ymax)) {
+    throw Failure(Cause::invalid_argument, fmt::format("rectangle {}: expected xmin < xmax and ymin < ymax", text));
+  }
+  // Outward to grid lines; a coordinate within 10⁻⁶ cell of a line is on it.
+  constexpr double kOnLine = 1e-6;
+  const GridMapping& m = d.mapping;
+  const double west = std::floor((r.xmin - m.x0) / m.dx + kOnLine), east = std::ceil((r.xmax - m.x0) / m.dx - kOnLine);
+  const double north = std::floor((r.ymax - m.y0) / m.dy + kOnLine), south = std::ceil((r.ymin - m.y0) / m.dy - kOnLine);
+  const GridRect& e = d.extent;
+  const double first_col = std::max<double>(west, e.first.col), last_col = std::min<double>(east, e.last.col);
+  const double first_row = std::max<double>(north, e.first.row), last_row = std::min<double>(south, e.last.row);
+  const bool thin = e.first.col == e.last.col || e.first.row == e.last.row;  // a raster one sample wide has no area anyway
+  if (first_col > last_col || first_row > last_row || (!thin && (first_col == last_col || first_row == last_row))) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("rectangle {}: nothing in common with the raster, whose samples span {},{},{},{}", text,
+                              m.x(e.first.col), m.y(e.last.row), m.x(e.last.col), m.y(e.first.row)));
+  }
+  return {{static_cast<std::int32_t>(first_col), static_cast<std::int32_t>(first_row)},
+          {static_cast<std::int32_t>(last_col), static_cast<std::int32_t>(last_row)}};
+}
+
+Answer Snapshot::range(GridRect region, Metres tolerance) const { return range_query(view_->pages, region, tolerance); }
+
+Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(description().extent, tolerance).quadtree); }
+
+Mesh Snapshot::mesh(const Rectangle& rectangle, Metres tolerance) const {
+  return triangulate(range(region(rectangle), tolerance).quadtree);
+}
+
+SampleWindow Snapshot::samples(GridRect region) const { return stored_samples(view_->pages, region); }
+
+}  // namespace talus

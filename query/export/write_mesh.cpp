@@ -1,0 +1,54 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "query/export/writers.hpp"
+#include "talus/database.hpp"
+
+namespace talus {
+namespace {
+
+struct Format {
+  std::string_view ending;
+  void (*write)(const Mesh&, const Description&, OutputFile&);
+};
+constexpr std::array<Format, 3> kFormats{{{".ply", write_ply}, {".obj", write_obj}, {".png", write_png}}};
+
+const Format& format_of(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& format : kFormats) {
+    if (format.ending == ending) return format;
+  }
+  throw Failure(Cause::invalid_argument,
+                fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj or .png", file.string()));
+}
+
+}  // namespace
+
+void check_mesh_file(const std::filesystem::path& file) {
+  static_cast<void>(format_of(file));
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw Failure(Cause::io, fmt::format("cannot write {}: there is no folder {}", file.string(), folder.string()));
+  }
+  if (std::filesystem::is_directory(file, ignored)) {
+    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", file.string()));
+  }
+}
+
+void write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
+  const Format& format = format_of(file);
+  OutputFile out{file};
+  format.write(mesh, description, out);
+  out.commit();
+}
+
+}  // namespace talus

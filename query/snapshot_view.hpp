@@ -1,0 +1,15 @@
+#pragma once
+// What stands behind a Snapshot.
+
+#include "query/range_query.hpp"
+#include "query/stored_pages.hpp"
+
+namespace talus {
+
+struct Snapshot::View {
+  StoredPages pages;
+};
+
+[[nodiscard]] const StoredPages& pages_of(const Snapshot& snapshot);
+
+}  // namespace talus

@@ -1,0 +1,38 @@
+#pragma once
+// The pages of one consistent view, decoded on demand.
+
+#include <filesystem>
+#include <optional>
+
+#include "engine/manifest.hpp"
+#include "engine/page_codec.hpp"
+#include "storage/page_store.hpp"
+#include "talus/database.hpp"
+
+namespace talus {
+
+/// May be asked from several threads at once.
+class StoredPages {
+ public:
+  /// fails  corrupt, unsupported: no header, a damaged one, another version
+  explicit StoredPages(const PageStore& store);
+
+  [[nodiscard]] const Manifest& manifest() const { return manifest_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] const CodeDistance& distance() const { return distance_; }
+  [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
+  [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
+
+  /// A page, or nothing if none is stored there. Adds what it cost.
+  /// fails  corrupt
+  [[nodiscard]] std::optional<Page> find(PageId id, QueryCost& cost) const;
+
+ private:
+  ReadTxn txn_;
+  std::filesystem::path file_;
+  Manifest manifest_;
+  CodeDistance distance_;
+  std::uint64_t header_bytes_ = 0;
+};
+
+}  // namespace talus

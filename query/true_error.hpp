@@ -1,0 +1,27 @@
+#pragma once
+// The judge: a mesh held against every sample.
+
+#include <cstdint>
+
+#include "talus/database.hpp"
+#include "talus/description.hpp"
+#include "talus/quadtree.hpp"
+
+namespace talus {
+
+struct TrueError {
+  double largest_m = 0;         ///< metres between surface and sample, over the covered samples a triangle touches
+  std::uint64_t covered = 0;    ///< corners of valid finest triangles inside the mesh's region
+  std::uint64_t uncovered = 0;  ///< of those, the ones no triangle of the mesh touches
+};
+
+/// Brute force, and nothing of it shared with the code that made the mesh: each triangle is laid over
+/// each sample in it. A finest triangle is half a cell, cut from the corner with an even sum of column
+/// and row to the other one, and valid iff its three corners are.
+///
+/// truth   called with strips of whole rows of `mesh.region`, from north to south, overlapping by two rows
+/// fails   as `truth` does
+/// cost    time linear in samples + triangles; memory 4 bytes a triangle and a strip of samples
+TrueError true_error(const Mesh& mesh, const Description& description, const SampleReader& truth);
+
+}  // namespace talus

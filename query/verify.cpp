@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <unordered_map>
+
+#include "engine/triangulation.hpp"
+#include "query/snapshot_view.hpp"
+#include "query/true_error.hpp"
+#include "talus/database.hpp"
+
+namespace talus {
+namespace {
+
+class Verification {
+ public:
+  explicit Verification(const StoredPages& pages) : pages_(pages), extent_(pages.manifest().description.extent) {}
+
+  VerifyReport report;
+
+  /// Everything a page says, against its own content and the pages below it.
+  void structure() {
+    for (const std::string& sentence : check_structure(pages_.file())) find(sentence);
+    if (report.finding_count > 0) return;  // not safe to follow
+    const int bands = pages_.manifest().bands;
+    for (int band = 0; band < bands; ++band) {
+      Entries entries;
+      pages_.transaction().for_each(band, [&](std::uint64_t position) { visit(page_at(band, position), entries); });
+      for (const auto& [position, entry] : below_) {
+        if (band == 0) break;
+        const PageId parent = parent_page(page_at(band - 1, position));
+        if (!entries.contains(curve_position(parent))) find(fmt::format("{}: the page above it is missing", name(page_at(band - 1, position))));
+      }
+      below_ = std::move(entries);
+    }
+    if (below_.empty()) find("no page of the coarsest band");
+  }
+
+  /// Strip by strip, the height of a page each.
+  void samples(const SampleReader& truth) {
+    for (std::int32_t row = extent_.first.row; row <= extent_.last.row; row += kPageSide) {
+      const GridRect strip{{extent_.first.col, row}, {extent_.last.col, std::min(row + kPageSide - 1, extent_.last.row)}};
+      const SampleWindow expected = truth(strip);
+      SampleWindow stored;
+      try {
+        stored = stored_samples(pages_, strip);
+      } catch (const Failure& f) {
+        find(f.what());
+        continue;
+      }
+      compare(stored, expected);
+    }
+  }
+
+  void true_error_of(Metres tolerance, const SampleReader& truth) {
+    const Mesh mesh = triangulate(range_query(pages_, extent_, tolerance).quadtree);
+    const TrueError error = true_error(mesh, pages_.manifest().description, truth);
+    report.true_error = Metres{error.largest_m};
+    report.vertices = mesh.points.size();
+    report.triangles = mesh.triangles.size();
+    report.covered_samples = error.covered;
+    report.uncovered_samples = error.uncovered;
+    if (error.uncovered > 0) find(fmt::format("{} covered samples lie under no triangle", error.uncovered));
+  }
+
+ private:
+  using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
+  static constexpr std::size_t kSpelledOut = 20;
+
+  void find(std::string sentence) {
+    ++report.finding_count;
+    if (report.findings.size() < kSpelledOut) report.findings.push_back(std::move(sentence));
+  }
+  static std::string name(PageId id) { return fmt::format("page {}/{} of band {}", id.x, id.y, id.band); }
+
+  void visit(PageId id, Entries& entries) {
+    ++report.pages;
+    if (page_grid(id, extent_).size() == 0) return find(fmt::format("{}: outside the extent", name(id)));
+    QueryCost unused;
+    try {
+      if (const auto page = pages_.find(id, unused)) entries.emplace(curve_position(id), check(*page));
+    } catch (const Failure& f) {
+      find(f.what());
+      entries.emplace(curve_position(id), ChildEntry{});  // there, if broken
+    }
+  }
+
+  /// What the page above should say of this one.
+  ChildEntry check(const Page& page) {
+    ChildEntry entry;
+    entry.present = true;
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        if (!page.is_own(p)) continue;
+        const ErrorCode own = error_in(page, p, col, row);
+        entry.largest = std::max(entry.largest, own);
+        check_parents(page, p, own);
+      }
+    }
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const PageId below{page.id.band - 1, page.id.x * kChildrenAcross + static_cast<std::int32_t>(i) % kChildrenAcross,
+                         page.id.y * kChildrenAcross + static_cast<std::int32_t>(i) / kChildrenAcross};
+      const auto found = below_.find(curve_position(below));
+      const ChildEntry& said = page.children[i];
+      if ((found != below_.end()) != said.present) {
+        find(fmt::format("{}: {}", name(below), said.present ? "missing" : "unknown to the page above it"));
+      } else if (said.present && said.largest != found->second.largest) {
+        find(fmt::format("{}: largest error {} m, the page above it says {} m", name(below), error_of(found->second.largest), error_of(said.largest)));
+      }
+      if (said.present) entry.largest = std::max(entry.largest, said.largest);
+    }
+    return entry;
+  }
+
+  [[nodiscard]] ErrorCode error_in(const Page& page, GridPoint p, std::int32_t col, std::int32_t row) const {
+    if (page.is_implied(p, col, row)) return error_code(page.implied_error(p, col, row, pages_.distance(), pages_.manifest().exact));
+    return page.errors[page.index(col, row)];
+  }
+
+  /// Parents in the same page; those beyond it are held by the answer's true error.
+  void check_parents(const Page& page, GridPoint p, ErrorCode own) {
+    if (spacing(p) == kRootSpacing) return;
+    const PageGrid& g = page.grid;
+    for (const GridPoint parent : diamond(p).apexes) {
+      const std::int32_t col = (parent.col >> g.shift) - g.first.col, row = (parent.row >> g.shift) - g.first.row;
+      if (col < 0 || row < 0 || col >= g.cols || row >= g.rows || !page.is_own(parent)) continue;
+      const ErrorCode above = error_in(page, parent, col, row);
+      if (above < own) {
+        find(fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex that depends on it", name(page.id),
+                         error_of(above), parent.col, parent.row, error_of(own)));
+      }
+    }
+  }
+
+  void compare(const SampleWindow& stored, const SampleWindow& expected) {
+    for (std::size_t i = 0; i < expected.values.size(); ++i) {
+      ++report.samples;
+      const bool data = expected.valid[i] != 0;
+      if (data == (stored.valid[i] != 0) &&
+          (!data || std::bit_cast<std::uint64_t>(stored.values[i]) == std::bit_cast<std::uint64_t>(expected.values[i]))) {
+        continue;
+      }
+      const auto cols = static_cast<std::size_t>(stored.region.cols());
+      const auto text = [](bool valid, double v) { return valid ? fmt::format("{}", v) : std::string("void"); };
+      find(fmt::format("sample at column {}, row {}: {} is stored, the source has {}",
+                       stored.region.first.col + static_cast<std::int64_t>(i % cols), stored.region.first.row + static_cast<std::int64_t>(i / cols),
+                       text(stored.valid[i] != 0, stored.values[i]), text(data, expected.values[i])));
+    }
+  }
+
+  const StoredPages& pages_;
+  GridRect extent_;
+  Entries below_;
+};
+
+}  // namespace
+
+VerifyReport verify(const Snapshot& snapshot) {
+  Verification v(pages_of(snapshot));
+  v.structure();
+  return v.report;
+}
+
+VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth) {
+  Verification v(pages_of(snapshot));
+  v.structure();
+  if (v.report.finding_count == 0) v.samples(truth);
+  return v.report;
+}
+
+VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth, Metres tolerance) {
+  Verification v(pages_of(snapshot));
+  v.structure();
+  if (v.report.finding_count == 0) v.samples(truth);
+  if (v.report.finding_count == 0) v.true_error_of(tolerance, truth);
+  return v.report;
+}
+
+}  // namespace talus

@@ -1,0 +1,17 @@
+#pragma once
+// XXH3 over a page's key and content. LMDB notices no damage; this does.
+
+#include <cstdint>
+#include <cstddef>
+#include <span>
+
+#include "storage/page_store.hpp"
+
+namespace talus {
+
+inline constexpr std::size_t kChecksumBytes = 8;
+
+/// Over table, position and content, so that a page in another's place is damage, too.
+[[nodiscard]] std::uint64_t page_checksum(PageKey key, std::span<const std::byte> content);
+
+}  // namespace talus

@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+"""Holds every #include to the folder rules of docs/architecture.md.
+
+    app -> query, ingest -> engine, storage -> include/talus
+
+check_includes.py ROOT                  fails with file:line for each include that breaks a rule
+check_includes.py --expect-marked ROOT  fails unless exactly the lines marked `// refused` do: the self test
+"""
+import re
+import sys
+from pathlib import Path
+
+FOLDERS = ["include", "engine", "storage", "query", "ingest", "app"]
+
+# Which of our headers a file may see, by the longest folder that fits it. The engine and the storage know
+# the words (units, failure, description, quadtree) but not the verbs; query and ingest do not know each other.
+OURS = {
+    "include/talus": r"talus/",
+    "engine": r"engine/|talus/(units|failure|description|quadtree)\.hpp",
+    "storage": r"storage/|talus/(units|failure)\.hpp",
+    "query": r"(query|engine|storage)/|talus/(?!ingest\.hpp|talus\.hpp)",
+    "query/bindings": r"(query|ingest)/|talus/",
+    "ingest": r"(ingest|engine|storage)/|talus/(?!database\.hpp|talus\.hpp)",
+    "app": r"(app|query|ingest)/|talus/",
+}
+
+# What of others is let in, and where. Headers not named here are let in nowhere but in the standard library.
+GDAL = r"(gdal|ogr|cpl|vrt)[a-z0-9_]*\.h"
+THEIRS = [
+    ("GDAL", GDAL, r"ingest/|query/(export|bindings/gdal)/", "ingest/ and query/export/"),
+    ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
+    ("xxHash", r"xxh(ash|3)\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
+    ("GeographicLib", r"GeographicLib/", r"engine/geodesy\.", "engine/geodesy"),
+    ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
+    ("JSON", r"nlohmann/", r"(engine|app)/", "engine/ and app/"),
+    ("CLI11", r"CLI/", r"app/", "app/"),
+    ("fmt", r"fmt/", r"(engine|storage|query|ingest|app)/", "our sources, not the public headers"),
+]
+
+# The engine is functions over memory: no file, clock or thread.
+NOT_IN_ENGINE = r"(chrono|condition_variable|ctime|filesystem|fstream|future|iostream|mutex|thread|unistd\.h|sys/.*)$"
+
+STANDARD = re.compile(r"[a-z_]+$|(sys/)?[a-z]+\.h$")  # <vector>, and POSIX: <fcntl.h>, <sys/stat.h>
+INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+def objection(file, quote, header):
+    """The rule that `#include header` in `file` breaks, or None. `file` is relative to the root."""
+    for name, pattern, places, where in THEIRS:
+        if re.match(pattern, header):
+            return None if re.match(places, file) else f"{name} belongs in {where} only"
+    if quote == '"':
+        folder = max((f for f in OURS if file.startswith(f + "/")), key=len)
+        if re.match(OURS[folder], header):
+            return None
+        if not re.match(r"(app|query|ingest|engine|storage|talus)/", header):
+            return "say our headers from the root: \"engine/grid.hpp\", \"talus/units.hpp\""
+        return f"{folder} does not know {header}"
+    if file.startswith("engine/") and re.match(NOT_IN_ENGINE, header):
+        return "the engine has no files, clocks or threads"
+    if not STANDARD.match(header):
+        return "a third party the rules do not know: see THEIRS in tests/check_includes.py"
+    return None
+
+
+def findings(root):
+    """Pairs of (file:line, sentence), and the places marked `// refused`."""
+    broken, marked, files = {}, set(), 0
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*.[ch]pp")):
+            files += 1
+            name = path.relative_to(root).as_posix()
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                include = INCLUDE.match(line)
+                if not include:
+                    continue
+                place = f"{name}:{number}"
+                if line.rstrip().endswith("// refused"):
+                    marked.add(place)
+                rule = objection(name, *include.groups())
+                if rule:
+                    broken[place] = f"{place}: {line.strip()}\n    {rule}"
+    if files == 0:
+        sys.exit(f"{root}: no sources here to check")
+    return broken, marked, files
+
+
+def main(arguments):
+    expect_marked = arguments[:1] == ["--expect-marked"]
+    if len(arguments) != 1 + expect_marked:
+        sys.exit(__doc__)
+    broken, marked, files = findings(Path(arguments[-1]))
+    if expect_marked:
+        wrong = sorted(marked ^ broken.keys())
+        for place in wrong:
+            print(f"{place}: {'should have been refused' if place in marked else 'should have been let in'}")
+        print(f"{len(marked)} broken includes, {len(wrong)} of them misjudged")
+        return 1 if wrong or not marked else 0
+    for sentence in broken.values():
+        print(sentence)
+    print(f"{files} files, {len(broken)} broken includes")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

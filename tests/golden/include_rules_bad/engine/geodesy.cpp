@@ -1,0 +1,1 @@
+#include <GeographicLib/Geodesic.hpp>

@@ -1,0 +1,26 @@
+#pragma once
+// A program as a child process: what it said, and how it ended.
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talus::support {
+
+struct Outcome {
+  int exit_code = -1;  ///< -1 if a signal ended it
+  int signal = 0;      ///< 0 if it ended by itself
+  std::string out, err;
+};
+
+struct RunOptions {
+  std::optional<std::chrono::milliseconds> kill_after;  ///< SIGKILL, as a power cut would
+  std::chrono::seconds at_most{120};                    ///< SIGKILL too, so that a test never hangs
+  std::string folder;                                   ///< to run in; empty: this process's
+};
+
+/// Runs `arguments[0]` with the rest, standard input empty.
+Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+}  // namespace talus::support
