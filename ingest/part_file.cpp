@@ -42,7 +42,7 @@ PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(data
   }
   if (fs::exists(status)) {
     if (!overwrite) {
-      throw Failure(Cause::invalid_argument, fmt::format("{}: exists already; ask to overwrite it or choose another name", database_.string()));
+      throw Failure(Cause::invalid_argument, fmt::format("{}: exists already; replace it with --overwrite or choose another name", database_.string()));
     }
     if (!fs::is_regular_file(status) || !looks_like_a_database(database_)) {
       throw Failure(Cause::invalid_argument, fmt::format("{}: exists and is no Talus database; it is left alone, remove it or choose another name",

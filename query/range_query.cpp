@@ -5,21 +5,38 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "engine/border.hpp"
+#include "engine/vertex_error.hpp"
 
 namespace talus {
 namespace {
 
-/// Nanometres by which doubles miss decimal heights; part of the bound where a step is no binary fraction.
+/// Metres by which doubles may miss decimal heights; part of the bound where a step is no binary fraction.
 constexpr double kDecimalRounding = 1e-9;
+
+/// The largest residual of a finest side midpoint that is still within a tolerance, in height codes; errors
+/// of such vertices are not stored but follow from heights.
+double largest_residual_within(double tolerance_m, const CodeDistance& distance, double margin_m) {
+  const auto within = [&](double residual) { return distance.metres(residual) + margin_m <= tolerance_m; };
+  if (!within(0)) return -1;
+  double low = 0, high = std::numeric_limits<double>::max();
+  if (within(high)) return high;
+  for (double middle = 1; ; middle = low + (high - low) / 2) {
+    if (middle <= low || middle >= high) return low;
+    (within(middle) ? low : high) = middle;
+  }
+}
 
 class RangeQuery {
  public:
   RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance)
       : pages_(pages), manifest_(pages.manifest()), region_(region), tolerance_(tolerance.value),
-        threshold_(largest_code_within(tolerance.value)), forced_(region), cost_(pages.cost_of_header()) {}
+        threshold_(largest_code_within(tolerance.value)), margin_m_(manifest_.exact ? 0 : kRoundingMargin),
+        largest_residual_(largest_residual_within(tolerance.value, pages.distance(), margin_m_)),
+        vertices_(region), cost_(pages.cost_of_header()) {}
 
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
@@ -39,16 +56,18 @@ class RangeQuery {
     double height;
     std::uint8_t covers;
   };
+  using PageKeyPair = std::pair<int, std::uint64_t>;
 
-  /// Marks what the border needs, and the pages that hold it with all pages above them.
+  /// Selects what the border needs, and marks the pages that hold it and all pages above them.
   void force_border() {
     for (const GridPoint p : border_vertices(region_, root_side(manifest_.description.extent))) {
-      forced_.insert(p);
+      vertices_.insert(p);
       for (PageId id = page_of(p, band_of(p, manifest_.bands)); id.band < manifest_.bands; id = parent_page(id)) {
         if (!forced_pages_.emplace(id.band, curve_position(id)).second) break;
       }
     }
   }
+  [[nodiscard]] bool is_forced(PageId id) const { return forced_pages_.contains({id.band, curve_position(id)}); }
 
   void visit(PageId id) {
     const auto page = pages_.find(id, cost_);
@@ -59,10 +78,10 @@ class RangeQuery {
       const PageId child{id.band - 1, id.x * kChildrenAcross + x, id.y * kChildrenAcross + y};
       const ChildEntry& entry = page->children[i];
       if (!entry.present || !overlap(page_square(child), region_)) continue;
-      if (entry.largest > threshold_ || forced_pages_.contains({child.band, curve_position(child)})) {
+      if (entry.largest > threshold_ || is_forced(child)) {
         visit(child);
       } else {
-        bound_ = std::max(bound_, error_of(entry.largest));
+        largest_absent_ = std::max(largest_absent_, entry.largest);
       }
     }
   }
@@ -70,54 +89,99 @@ class RangeQuery {
   /// Takes the page's own vertices whose error is above the tolerance, or that the border needs.
   void select(const Page& page) {
     const PageGrid& grid = page.grid;
-    const auto units = [&](std::int32_t v, bool up) { return static_cast<std::int32_t>((std::int64_t{v} + (up ? (1 << grid.shift) - 1 : 0)) >> grid.shift); };
-    const std::int32_t first_col = std::max(units(region_.first.col, true) - grid.first.col, 0);
-    const std::int32_t first_row = std::max(units(region_.first.row, true) - grid.first.row, 0);
-    const std::int32_t last_col = std::min(units(region_.last.col, false) - grid.first.col, grid.cols - 1);
-    const std::int32_t last_row = std::min(units(region_.last.row, false) - grid.first.row, grid.rows - 1);
+    const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
+    const auto first_unit = [&](std::int32_t v) { return static_cast<std::int32_t>((v + ceil) >> grid.shift); };
+    const std::int32_t first_col = std::max(first_unit(region_.first.col) - grid.first.col, 0);
+    const std::int32_t first_row = std::max(first_unit(region_.first.row) - grid.first.row, 0);
+    const std::int32_t last_col = std::min((region_.last.col >> grid.shift) - grid.first.col, grid.cols - 1);
+    const std::int32_t last_row = std::min((region_.last.row >> grid.shift) - grid.first.row, grid.rows - 1);
+    const bool coarsest = page.id.band == page.bands - 1, forced = is_forced(page.id);
+    const std::int32_t coarser = kChildrenAcross - 1;  // units with these bits clear belong to the band above
+
+    found_here_.clear();
+    const auto decide = [&](std::int32_t col, std::int32_t row, std::size_t i, bool above) {
+      const GridPoint p = grid.at(col, row);
+      if (!above && !(forced && vertices_.contains(p))) return false;
+      vertices_.insert(p);
+      found_here_.push_back({p, page.heights[i], page.covers.empty() ? std::uint8_t{15} : page.covers[i]});
+      return true;
+    };
+    const auto stored = [&](std::int32_t col, std::int32_t row, std::size_t i) {
+      if (!decide(col, row, i, page.errors[i] > threshold_)) largest_absent_ = std::max(largest_absent_, page.errors[i]);
+    };
     for (std::int32_t row = first_row; row <= last_row; ++row) {
-      for (std::int32_t col = first_col; col <= last_col; ++col) {
-        const GridPoint p = grid.at(col, row);
-        if (!page.is_own(p)) continue;
-        const std::size_t i = page.index(col, row);
-        double error = 0;
-        bool above = false;
-        if (page.is_implied(p, col, row)) {
-          error = page.implied_error(p, col, row, pages_.distance(), manifest_.exact);
-          above = error > tolerance_;
-        } else {
-          above = page.errors[i] > threshold_;
-          error = error_of(page.errors[i]);
+      const bool row_coarser = ((row + grid.first.row) & coarser) == 0 && !coarsest;
+      const std::size_t line = page.index(0, row);
+      if (!page.implied_midpoints) {
+        for (std::int32_t col = first_col; col <= last_col; ++col) {
+          if (!row_coarser || ((col + grid.first.col) & coarser) != 0) stored(col, row, line + static_cast<std::size_t>(col));
         }
-        if (above || forced_.contains(p)) {
-          found_.push_back({p, page.heights[i], page.covers.empty() ? std::uint8_t{15} : page.covers[i]});
-        } else {
-          bound_ = std::max(bound_, error);
+        continue;
+      }
+      // Every other sample of a row is a side midpoint: along the row on even rows, across it on odd ones.
+      const bool row_odd = ((row + grid.first.row) & 1) != 0;
+      const std::size_t step = row_odd ? static_cast<std::size_t>(grid.cols) : 1;
+      const bool across_inside = row > 0 && row + 1 < grid.rows;
+      for (std::int32_t col = first_col; col <= last_col; ++col) {
+        const std::size_t i = line + static_cast<std::size_t>(col);
+        const bool col_odd = ((col + grid.first.col) & 1) != 0;
+        if (col_odd == row_odd || !(row_odd ? across_inside : col > 0 && col + 1 < grid.cols)) {
+          if (!row_coarser || ((col + grid.first.col) & coarser) != 0) stored(col, row, i);
+          continue;
+        }
+        const double a = page.heights[i - step], b = page.heights[i + step];
+        const double residual = std::abs(page.heights[i] - (a + b) / 2);
+        const bool above = residual > largest_residual_ && (manifest_.exact || !halves_exactly(a, b, page.heights[i]));
+        if (!decide(col, row, i, above) && (residual > 0 || !manifest_.exact)) {
+          largest_absent_residual_ = std::max(largest_absent_residual_, residual);
         }
       }
     }
+    found_.emplace_back(found_here_);
   }
 
-  RestrictedQuadtree collect() const {
+  RestrictedQuadtree collect() {
     RestrictedQuadtree answer;
     answer.tolerance = Metres{tolerance_};
-    answer.bound = Metres{bound_ + (pages_.distance().is_binary() && manifest_.exact ? 0 : kDecimalRounding)};
-    answer.vertices = VertexMask(region_);
+    answer.bound = Metres{bound()};
+    std::size_t count = 0;
     bool all_covered = true;
-    for (const Found& f : found_) {
-      answer.vertices.insert(f.at);
-      all_covered = all_covered && f.covers == 15;
+    for (const auto& page : found_) {
+      count += page.size();
+      for (const Found& f : page) all_covered = all_covered && f.covers == 15;
     }
-    answer.vertices.seal();
-    answer.heights.resize(found_.size());
-    if (!all_covered) answer.covers.resize(found_.size());
+    keep_found_only(count);
+    vertices_.seal();
+    answer.heights.resize(count);
+    if (!all_covered) answer.covers.resize(count);
     const HeightStep& step = manifest_.description.step;
-    for (const Found& f : found_) {
-      const std::uint32_t rank = answer.vertices.rank(f.at);
-      answer.heights[rank] = step.value(f.height);
-      if (!all_covered) answer.covers[rank] = f.covers;
+    for (const auto& page : found_) {
+      for (const Found& f : page) {
+        const std::uint32_t rank = vertices_.rank(f.at);
+        answer.heights[rank] = step.value(f.height);
+        if (!all_covered) answer.covers[rank] = f.covers;
+      }
     }
+    answer.vertices = std::move(vertices_);
     return answer;
+  }
+
+  /// Border vertices amid voids may stand in pages that were never stored: nothing needs them.
+  void keep_found_only(std::size_t count) {
+    vertices_.seal();
+    if (vertices_.size() == count) return;
+    vertices_ = VertexMask(region_);
+    for (const auto& page : found_) {
+      for (const Found& f : page) vertices_.insert(f.at);
+    }
+  }
+
+  [[nodiscard]] double bound() const {
+    double metres = error_of(largest_absent_);
+    if (largest_absent_residual_ >= 0) {
+      metres = std::max(metres, std::min(tolerance_, pages_.distance().metres(largest_absent_residual_) + margin_m_));
+    }
+    return metres + (pages_.distance().is_binary() ? 0 : kDecimalRounding);
   }
 
   const StoredPages& pages_;
@@ -125,10 +189,13 @@ class RangeQuery {
   GridRect region_;
   double tolerance_;
   ErrorCode threshold_;
-  VertexMask forced_;
-  std::set<std::pair<int, std::uint64_t>> forced_pages_;
-  std::vector<Found> found_;
-  double bound_ = 0;
+  double margin_m_, largest_residual_;
+  VertexMask vertices_;
+  std::set<PageKeyPair> forced_pages_;
+  std::vector<std::vector<Found>> found_;  // by page
+  std::vector<Found> found_here_;
+  ErrorCode largest_absent_ = 0;
+  double largest_absent_residual_ = -1;
   QueryCost cost_;
 };
 

@@ -1,11 +1,13 @@
 #include "storage/environment.hpp"
 
 #include <fmt/format.h>
+#include <lmdb.h>
 #include <sys/stat.h>
 
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <mutex>
 #include <utility>
 
 #include "storage/structure.hpp"
@@ -25,6 +27,9 @@ void check(int code, const char* doing, const std::filesystem::path& file) {
     default: throw Failure(Cause::io, sentence);
   }
 }
+
+void CloseEnv::operator()(MDB_env* env) const { mdb_env_close(env); }
+void AbortTxn::operator()(MDB_txn* txn) const { mdb_txn_abort(txn); }
 
 std::string table_name(int table) { return table == kHeaderTable ? "header" : fmt::format("band/{:02}", table); }
 

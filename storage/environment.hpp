@@ -1,15 +1,15 @@
 #pragma once
-// LMDB's environments and its error numbers; only storage/*.cpp includes this.
-
-#include <lmdb.h>
+// What the files of this folder share of LMDB.
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "storage/page_store.hpp"
+
+struct MDB_env;
+struct MDB_txn;
 
 namespace talus {
 
@@ -17,12 +17,12 @@ namespace talus {
 void check(int code, const char* doing, const std::filesystem::path& file);
 
 struct CloseEnv {
-  void operator()(MDB_env* env) const { mdb_env_close(env); }
+  void operator()(MDB_env* env) const;
 };
 using EnvPtr = std::unique_ptr<MDB_env, CloseEnv>;
 
 struct AbortTxn {
-  void operator()(MDB_txn* txn) const { mdb_txn_abort(txn); }
+  void operator()(MDB_txn* txn) const;
 };
 using TxnPtr = std::unique_ptr<MDB_txn, AbortTxn>;
 

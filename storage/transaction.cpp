@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <lmdb.h>
 
 #include <array>
+#include <cerrno>
+#include <mutex>
 
 #include "storage/checksum.hpp"
 #include "storage/environment.hpp"
@@ -146,8 +149,10 @@ struct PageWriter::Impl {
       if (code == MDB_MAP_FULL) return false;
       check(code, "write", file);
     }
-    const int code = mdb_txn_commit(txn.release());
+    int code = mdb_txn_commit(txn.release());
     if (code == MDB_MAP_FULL) return false;
+    // LMDB calls a write that came up short an I/O error; mostly the disk is full.
+    if (code == EIO && std::filesystem::space(file).available < batch_bytes) code = ENOSPC;
     check(code, "commit", file);
     return true;
   }

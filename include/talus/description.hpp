@@ -16,7 +16,10 @@ struct HeightStep {
   double scale = 1, divisor = 1, offset = 0;
   bool integer = true;  ///< codes are whole numbers; otherwise a code is the source's own float
   friend bool operator==(const HeightStep&, const HeightStep&) = default;
-  [[nodiscard]] double value(double code) const { return code * scale / divisor + offset; }
+  [[nodiscard]] double value(double code) const {
+    const double scaled = code * scale / divisor;
+    return offset == 0 ? scaled : scaled + offset;  // adding zero would lose the sign of -0.0
+  }
 };
 
 struct Description {

@@ -140,7 +140,7 @@ TEST_F(BadInput, ASizeThatIsOnlyClaimed) {
 TEST_F(BadInput, ADatabaseThatIsThereStays) {
   make_raster("a.tif");
   make_database("out.talus");
-  expect_refused({"ingest", "a.tif", "out.talus"}, {usage}, {"out.talus", "--overwrite"});
+  expect_refused({"ingest", "a.tif", "out.talus"}, {usage}, {"out.talus", "overwrite"});
   expect_refused({"ingest", "missing.tif", "out.talus", "--overwrite"}, {failed}, {"missing.tif"});
   write_bytes(folder / "notes.txt", "the mountain is high\n");
   expect_refused({"ingest", "notes.txt", "out.talus", "--overwrite"}, {failed}, {"notes.txt"});

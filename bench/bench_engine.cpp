@@ -1,0 +1,170 @@
+// How fast are the pure parts: errors, saturation, selection, triangulation, the page codec?
+
+#include <benchmark/benchmark.h>
+
+#include <cstring>
+
+#include "bench/terrain.hpp"
+#include "engine/page_codec.hpp"
+#include "engine/saturation.hpp"
+#include "engine/triangulation.hpp"
+
+namespace talus {
+namespace {
+
+struct Ground {
+  explicit Ground(int side, double step = 1) : heights(bench::mountains(side)) {
+    for (double& h : heights) h = h * step;
+    extent = {{0, 0}, {side - 1, side - 1}};
+    input.field = {extent, heights, {}, {}, interpolation_is_exact(heights, root_side(extent)), are_whole_numbers(heights)};
+  }
+  std::vector<double> heights;
+  GridRect extent;
+  ErrorInput input;
+};
+
+const Ground& ground(int side) {
+  static const Ground small(1025), large(4097);
+  return side == 1025 ? small : large;
+}
+
+void samples_per_second(benchmark::State& state, double samples) {
+  state.counters["samples/s"] = benchmark::Counter(samples * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+/// The yardstick of this machine in this run: bytes copied in memory.
+void BM_Memcpy(benchmark::State& state) {
+  std::vector<char> from(std::size_t{64} << 20, 1), to(from.size());
+  for (auto _ : state) {
+    std::memcpy(to.data(), from.data(), from.size());
+    benchmark::DoNotOptimize(to.data());
+  }
+  state.SetBytesProcessed(static_cast<std::int64_t>(from.size()) * state.iterations());
+}
+BENCHMARK(BM_Memcpy)->Unit(benchmark::kMillisecond);
+
+void BM_ErrorsReference(benchmark::State& state) {
+  const Ground& g = ground(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    auto errors = reference_errors(g.input);
+    saturate(g.input, errors);
+    benchmark::DoNotOptimize(&errors);
+  }
+  samples_per_second(state, static_cast<double>(g.extent.samples()));
+}
+BENCHMARK(BM_ErrorsReference)->ArgName("side")->Arg(1025)->Unit(benchmark::kMillisecond);
+
+void BM_ErrorsAndSaturation(benchmark::State& state) {
+  const Ground& g = ground(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    auto errors = vertex_errors(g.input);
+    saturate(g.input, errors);
+    benchmark::DoNotOptimize(&errors);
+  }
+  samples_per_second(state, static_cast<double>(g.extent.samples()));
+}
+BENCHMARK(BM_ErrorsAndSaturation)->ArgName("side")->Arg(1025)->Arg(4097)->Unit(benchmark::kMillisecond);
+
+/// Float decimetres: not whole numbers, doubles in the kernel.
+void BM_ErrorsAndSaturationFloat(benchmark::State& state) {
+  static const Ground g(1025, 0.1);
+  for (auto _ : state) {
+    auto errors = vertex_errors(g.input);
+    saturate(g.input, errors);
+    benchmark::DoNotOptimize(&errors);
+  }
+  samples_per_second(state, static_cast<double>(g.extent.samples()));
+}
+BENCHMARK(BM_ErrorsAndSaturationFloat)->Unit(benchmark::kMillisecond);
+
+void BM_Saturation(benchmark::State& state) {
+  const Ground& g = ground(static_cast<int>(state.range(0)));
+  auto errors = vertex_errors(g.input);
+  for (auto _ : state) {
+    saturate(g.input, errors);  // the same work each time
+    benchmark::DoNotOptimize(&errors);
+  }
+  samples_per_second(state, static_cast<double>(g.extent.samples()));
+}
+BENCHMARK(BM_Saturation)->ArgName("side")->Arg(4097)->Unit(benchmark::kMillisecond);
+
+RestrictedQuadtree selected(const Ground& g, double tolerance) {
+  static LevelGrid<ErrorCode> errors = [&] {
+    auto e = vertex_errors(g.input);
+    saturate(g.input, e);
+    return e;
+  }();
+  RestrictedQuadtree q;
+  q.vertices = VertexMask(g.extent);
+  for (std::int32_t row = 0; row <= g.extent.last.row; ++row) {
+    for (std::int32_t col = 0; col <= g.extent.last.col; ++col) {
+      const GridPoint p{col, row};
+      if (spacing(p) >= errors.root() || error_of(errors[p]) > tolerance) q.vertices.insert(p);
+    }
+  }
+  q.vertices.seal();
+  q.heights.resize(q.vertices.size());
+  return q;
+}
+
+void BM_Triangulation(benchmark::State& state) {
+  const RestrictedQuadtree q = selected(ground(4097), static_cast<double>(state.range(0)));
+  std::size_t triangles = 0;
+  for (auto _ : state) {
+    const Mesh mesh = triangulate(q);
+    triangles += mesh.triangles.size();
+    benchmark::DoNotOptimize(mesh.triangles.data());
+  }
+  state.counters["triangles/s"] = benchmark::Counter(static_cast<double>(triangles), benchmark::Counter::kIsRate);
+  state.counters["vertices"] = static_cast<double>(q.vertices.size());
+}
+BENCHMARK(BM_Triangulation)->ArgName("tolerance_m")->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+
+/// One finest page: what it takes to write and to read it.
+struct Encoded {
+  Encoded() {
+    const Ground& g = ground(1025);
+    auto errors = vertex_errors(g.input);
+    saturate(g.input, errors);
+    page.bands = band_count(g.extent);
+    page.id = {0, 1, 1};
+    page.grid = page_grid(page.id, g.extent);
+    page.implied_midpoints = true;
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        page.heights.push_back(g.input.field[p]);
+        page.errors.push_back(page.is_own(p) && !page.is_implied(p, col, row) ? errors[p] : ErrorCode{0});
+      }
+    }
+    extent = g.extent;
+    bytes = encode(page);
+  }
+  Page page;
+  GridRect extent;
+  std::vector<std::byte> bytes;
+};
+const Encoded& encoded() {
+  static const Encoded e;
+  return e;
+}
+
+void BM_PageEncode(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(encode(encoded().page).data());
+  samples_per_second(state, static_cast<double>(encoded().page.grid.size()));
+  state.counters["bits/sample"] = 8.0 * static_cast<double>(encoded().bytes.size()) / static_cast<double>(encoded().page.grid.size());
+}
+BENCHMARK(BM_PageEncode)->Unit(benchmark::kMicrosecond);
+
+void BM_PageDecode(benchmark::State& state) {
+  const Encoded& e = encoded();
+  for (auto _ : state) {
+    const Page page = decode(e.page.id, e.extent, e.page.bands, e.bytes);
+    benchmark::DoNotOptimize(page.heights.data());
+  }
+  samples_per_second(state, static_cast<double>(e.page.grid.size()));
+}
+BENCHMARK(BM_PageDecode)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace talus
