@@ -48,8 +48,9 @@ class Databases {
     GDALAllRegister();
     const fs::path file = folder_ / "made.tif";
     auto* dataset = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(file.c_str(), kSide, kSide, 1, GDT_Int16, nullptr);
-    (void)dataset->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, whole.data(), kSide, kSide, GDT_Int16, 0, 0);
+    const CPLErr written = dataset->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, whole.data(), kSide, kSide, GDT_Int16, 0, 0, nullptr);
     GDALClose(dataset);
+    if (written != CE_None) throw Failure(Cause::io, file.string() + ": cannot be written");
     return file;
   }
   static fs::path make_folder() {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -174,13 +176,20 @@ class Prediction {
   std::int32_t offset_col_, offset_row_;
 };
 
-/// visit(index) for the samples whose errors the page stores.
-template <class Visit>
-void for_each_stored_error(const Page& page, Visit&& visit) {
+/// The samples whose errors the page stores, row by row: its own vertices but for implied midpoints.
+void list_stored_errors(const Page& page, std::vector<std::uint32_t>& stored) {
+  stored.clear();
+  const bool coarsest = page.id.band == page.bands - 1;
+  const std::int32_t coarser = kChildrenAcross - 1;  // units with these bits clear belong to the band above
   for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    const bool row_coarser = ((row + page.grid.first.row) & coarser) == 0 && !coarsest;
+    const bool row_odd = ((row + page.grid.first.row) & 1) != 0, inner_row = row > 0 && row + 1 < page.grid.rows;
     for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-      const GridPoint p = page.grid.at(col, row);
-      if (page.is_own(p) && !page.is_implied(p, col, row)) visit(page.index(col, row));
+      const std::int32_t unit = col + page.grid.first.col;
+      const bool own = !row_coarser || (unit & coarser) != 0;
+      const bool side = ((unit & 1) != 0) != row_odd;  // the midpoint of a finest side
+      const bool implied = page.implied_midpoints && side && (row_odd ? inner_row : col > 0 && col + 1 < page.grid.cols);
+      if (own && !implied) stored.push_back(static_cast<std::uint32_t>(page.index(col, row)));
     }
   }
 }
@@ -226,26 +235,23 @@ class Reader {
     rest_ = rest_.subspan(sizeof(Int));
     return value;
   }
-  /// A section of exactly `size` bytes once unpacked.
-  std::span<const std::byte> section(std::size_t size) {
+  /// A section of exactly `size` bytes once unpacked, into `buffer`.
+  std::span<const std::byte> section(std::size_t size, std::vector<std::byte>& buffer, ZSTD_DCtx* context) {
     const auto length = get<std::uint32_t>();
     const std::size_t stored = length & ~kPlain;
     if (stored > rest_.size()) corrupt("section longer than the page");
     const auto bytes = rest_.first(stored);
     rest_ = rest_.subspan(stored);
-    buffer_.resize(size);
+    buffer.resize(size);
     if ((length & kPlain) != 0) {
       if (stored != size) corrupt("section of the wrong length");
-      if (size > 0) std::memcpy(buffer_.data(), bytes.data(), size);
+      if (size > 0) std::memcpy(buffer.data(), bytes.data(), size);
     } else {
-      // One context a thread: making one costs more than unpacking a page.
-      thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
-      const std::size_t got = ZSTD_decompressDCtx(context.get(), buffer_.data(), size, bytes.data(), stored);
+      const std::size_t got = ZSTD_decompressDCtx(context, buffer.data(), size, bytes.data(), stored);
       if (ZSTD_isError(got) || got != size) corrupt("section does not unpack");
     }
-    return buffer_;
+    return buffer;
   }
-  [[nodiscard]] std::span<const std::byte> unpacked() const { return buffer_; }
   void finish() const {
     if (!rest_.empty()) corrupt("bytes after the last section");
   }
@@ -253,7 +259,6 @@ class Reader {
  private:
   PageId id_;
   std::span<const std::byte> rest_;
-  std::vector<std::byte> buffer_;
 };
 
 }  // namespace
@@ -303,11 +308,11 @@ std::vector<std::byte> encode(const Page& page) {
     for (std::size_t i = 0; i < n; ++i) section[i] = static_cast<std::byte>(residuals[i] >> (8 * plane) & 0xff);
     put_section(out, section);
   }
-  std::vector<ErrorCode> errors;
-  for_each_stored_error(page, [&](std::size_t i) { errors.push_back(page.errors[i]); });
+  std::vector<std::uint32_t> stored;
+  list_stored_errors(page, stored);
   for (const unsigned shift : {0u, 8u}) {
-    section.resize(errors.size());
-    for (std::size_t i = 0; i < errors.size(); ++i) section[i] = static_cast<std::byte>(errors[i] >> shift & 0xff);
+    section.clear();
+    for (const std::uint32_t i : stored) section.push_back(static_cast<std::byte>(page.errors[i] >> shift & 0xff));
     put_section(out, section);
   }
   if (!page.children.empty()) {
@@ -323,9 +328,23 @@ std::vector<std::byte> encode(const Page& page) {
   return out;
 }
 
-Page decode(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes) {
-  Reader in(id, bytes);
+struct PageDecoder::Scratch {
   Page page;
+  std::vector<std::int64_t> numbers;
+  std::array<std::vector<std::byte>, 8> planes;
+  std::vector<std::uint32_t> stored;
+  std::unique_ptr<ZSTD_DCtx, FreeContext> context{ZSTD_createDCtx()};
+};
+
+PageDecoder::PageDecoder() : scratch_(std::make_unique<Scratch>()) {}
+PageDecoder::~PageDecoder() = default;
+PageDecoder::PageDecoder(PageDecoder&&) noexcept = default;
+PageDecoder& PageDecoder::operator=(PageDecoder&&) noexcept = default;
+
+const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes) {
+  Reader in(id, bytes);
+  auto& [page, numbers, planes, stored, context] = *scratch_;
+  const auto section = [&, c = context.get()](std::size_t size, std::size_t plane = 0) { return in.section(size, scratch_->planes[plane], c); };
   page.id = id;
   page.bands = bands;
   page.grid = page_grid(id, extent);
@@ -340,13 +359,16 @@ Page decode(PageId id, GridRect extent, int bands, std::span<const std::byte> by
   if (in.get<std::uint16_t>() != page.grid.cols || in.get<std::uint16_t>() != page.grid.rows) in.corrupt("wrong size");
   page.implied_midpoints = (flags & kImpliesMidpoints) != 0;
 
+  page.valid.clear();
+  page.covers.clear();
+  page.children.clear();
   if ((flags & kHasVoids) != 0) {
-    const auto bits = in.section((n + 7) / 8);
+    const auto bits = section((n + 7) / 8);
     page.valid.resize(n);
     for (std::size_t i = 0; i < n; ++i) page.valid[i] = std::to_integer<std::uint8_t>(bits[i / 8] >> (i % 8)) & 1;
   }
   if ((flags & kHasCovers) != 0) {
-    const auto raw = in.section(n);
+    const auto raw = section(n);
     page.covers.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       page.covers[i] = std::to_integer<std::uint8_t>(raw[i]);
@@ -354,41 +376,51 @@ Page decode(PageId id, GridRect extent, int bands, std::span<const std::byte> by
     }
   }
 
-  std::vector<std::uint64_t> residuals(n, 0);
-  for (unsigned plane = 0; plane < width; ++plane) {
-    const auto raw = in.section(n);
-    for (std::size_t i = 0; i < n; ++i) residuals[i] |= std::to_integer<std::uint64_t>(raw[i]) << (8 * plane);
-  }
-  std::vector<std::int64_t> numbers(n);
+  for (std::size_t plane = 0; plane < width; ++plane) (void)section(n, plane);
+  numbers.resize(n);
   std::size_t next = 0;
-  Prediction(page.grid, numbers).run([&](std::int64_t& number, std::int64_t predicted) {
-    number = plus(predicted, unzigzag(residuals[next++]));
-  });
+  const auto rebuild = [&](auto&& residual) {
+    Prediction(page.grid, numbers).run([&](std::int64_t& number, std::int64_t predicted) {
+      number = plus(predicted, unzigzag(residual(next++)));
+    });
+  };
+  const auto byte = [](const std::vector<std::byte>& plane, std::size_t i) { return std::to_integer<std::uint64_t>(plane[i]); };
+  if (width == 1) {
+    rebuild([&, &low = planes[0]](std::size_t i) { return byte(low, i); });
+  } else if (width == 2) {
+    rebuild([&, &low = planes[0], &high = planes[1]](std::size_t i) { return byte(low, i) | byte(high, i) << 8; });
+  } else {
+    rebuild([&, &all = planes](std::size_t i) {
+      std::uint64_t value = 0;
+      for (std::size_t plane = 0; plane < width; ++plane) value |= byte(all[plane], i) << (8 * plane);
+      return value;
+    });
+  }
   page.heights.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    page.heights[i] = height_of(numbers[i], static_cast<Coding>(coding));
-    if (!std::isfinite(page.heights[i])) in.corrupt("a height that is no number");
+  if (static_cast<Coding>(coding) == Coding::whole) {
+    std::transform(numbers.begin(), numbers.end(), page.heights.begin(), [](std::int64_t k) { return static_cast<double>(k); });
+  } else {
+    for (std::size_t i = 0; i < n; ++i) page.heights[i] = height_of(numbers[i], static_cast<Coding>(coding));
+    if (!std::all_of(page.heights.begin(), page.heights.end(), [](double h) { return std::isfinite(h); })) {
+      in.corrupt("a height that is no number");
+    }
   }
 
   page.errors.assign(n, 0);
-  std::size_t stored = 0;
-  for_each_stored_error(page, [&](std::size_t) { ++stored; });
-  std::vector<ErrorCode> errors(stored, 0);
+  list_stored_errors(page, stored);
   for (const unsigned shift : {0u, 8u}) {
-    const auto raw = in.section(stored);
-    for (std::size_t i = 0; i < stored; ++i) {
-      errors[i] = static_cast<ErrorCode>(errors[i] | std::to_integer<unsigned>(raw[i]) << shift);
+    const auto raw = section(stored.size());
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+      ErrorCode& error = page.errors[stored[i]];
+      error = static_cast<ErrorCode>(error | std::to_integer<unsigned>(raw[i]) << shift);
     }
   }
-  next = 0;
-  for_each_stored_error(page, [&](std::size_t i) {
-    page.errors[i] = errors[next++];
-    if (page.errors[i] > kAlwaysSelected) in.corrupt("an error beyond the ladder");
-  });
+  if (std::any_of(page.errors.begin(), page.errors.end(), [](ErrorCode e) { return e > kAlwaysSelected; })) {
+    in.corrupt("an error beyond the ladder");
+  }
 
   if ((flags & kHasChildren) != 0) {
-    in.section(kChildren * kChildBytes);
-    Reader table(id, in.unpacked());
+    Reader table(id, section(kChildren * kChildBytes));
     page.children.resize(kChildren);
     for (ChildEntry& child : page.children) {
       const auto present = table.get<std::uint8_t>();

@@ -2,6 +2,7 @@
 // One page in memory, and the bytes it becomes. docs/format/v1.md has the bytes.
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -51,8 +52,22 @@ struct Page {
 /// source  residuals to the midpoint prediction, byte planes, zstd
 [[nodiscard]] std::vector<std::byte> encode(const Page& page);
 
-/// fails  corrupt: anything the bytes of a page of this id and extent cannot be. Memory never exceeds what
-///        a page of kPageSide² samples takes, whatever the bytes say.
-[[nodiscard]] Page decode(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
+/// Reads pages one after the other into the same memory.
+class PageDecoder {
+ public:
+  PageDecoder();
+  ~PageDecoder();
+  PageDecoder(PageDecoder&&) noexcept;
+  PageDecoder& operator=(PageDecoder&&) noexcept;
+
+  /// The page, until the next call.
+  /// fails  corrupt: anything the bytes of a page of this id and extent cannot be. Memory never exceeds
+  ///        what a page of kPageSide² samples takes, whatever the bytes say.
+  [[nodiscard]] const Page& decode(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
 
 }  // namespace talus

@@ -1,19 +1,14 @@
 #include "engine/triangulation.hpp"
 
+#include <array>
 #include <limits>
+
+#include "engine/popcnt.hpp"
 
 namespace talus {
 namespace {
 
-#if defined(__GNUC__) && defined(__x86_64__)
-#define TALUS_INLINE [[gnu::always_inline]] inline
-#define TALUS_POPCNT [[gnu::target("popcnt")]]
-bool has_popcnt() { return __builtin_cpu_supports("popcnt") != 0; }
-#else
-#define TALUS_INLINE inline
-#define TALUS_POPCNT
-bool has_popcnt() { return false; }
-#endif
+using Corners = std::array<std::uint32_t, 3>;
 
 /// From the right angle the left corner lies counter-clockwise before the right one, seen from above:
 /// columns run east, rows south.
@@ -23,46 +18,86 @@ constexpr bool is_counter_clockwise(const Triangle& t) {
   return lr * rc - lc * rr > 0;
 }
 
-/// The leaves around one vertex. `rank` is VertexMask::rank.
-template <class Rank>
-TALUS_INLINE void emit(const RestrictedQuadtree& quadtree, GridPoint p, std::uint32_t self, Rank&& rank, Mesh& mesh) {
-  const std::uint8_t covers = quadtree.covers.empty() ? std::uint8_t{15} : quadtree.covers[self];
-  if (covers == 0 || spacing(p) == kRootSpacing) return;
-  const VertexMask& mask = quadtree.vertices;
-  const GridRect region = mask.region();
-  const bool finest = ((p.col ^ p.row) & 1) != 0;
-  const Diamond d = diamond(p);
-  constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t end_rank[2] = {kUnknown, kUnknown};
-  for (std::size_t side = 0; side < 2; ++side) {
-    const GridPoint apex = d.apexes[side];
-    if (!region.contains(apex)) continue;
-    std::uint32_t apex_rank = kUnknown;
-    for (std::size_t end = 0; end < 2; ++end) {
-      const GridPoint other = d.ends[end];
-      if ((covers >> (2 * side + end) & 1) == 0 || !region.contains(other)) continue;
-      if (!finest && mask.contains(midpoint(apex, other))) continue;
-      if (apex_rank == kUnknown) apex_rank = rank(apex);
-      if (end_rank[end] == kUnknown) end_rank[end] = rank(other);
-      if (is_counter_clockwise({p, apex, other})) mesh.triangles.push_back({self, apex_rank, end_rank[end]});
-      else mesh.triangles.push_back({self, end_rank[end], apex_rank});
+class Emitter {
+ public:
+  Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh)
+      : quadtree_(quadtree), mask_(quadtree.vertices), region_(mask_.region()), points_(mesh.points.data()),
+        out_(mesh.triangles.data()) {}
+
+  /// Emits the leaves around every vertex; returns one past the last triangle. A triangle is always written
+  /// and then kept or not: whether it is a leaf is a coin toss to a branch predictor.
+  TALUS_INLINE Corners* run() {
+    const bool all_covered = quadtree_.covers.empty();
+    std::uint32_t self = 0;
+    mask_.for_each([&](GridPoint p) __attribute__((always_inline)) {
+      points_[self] = p;
+      const bool inner = p.col > region_.first.col && p.col < region_.last.col && p.row > region_.first.row && p.row < region_.last.row;
+      const std::uint8_t covers = all_covered ? std::uint8_t{15} : quadtree_.covers[self];
+      if (inner && covers == 15 && ((p.col | p.row) & 1) != 0) {
+        ((p.col & p.row) & 1) != 0 ? finest_centre(p, self) : finest_side(p, self);
+      } else {
+        any(p, self, covers);
+      }
+      ++self;
+    });
+    return out_;
+  }
+
+ private:
+  TALUS_INLINE void keep(Corners corners, bool leaf) {
+    *out_ = corners;
+    out_ += leaf ? 1 : 0;
+  }
+
+  /// All four neighbours are there and nothing is finer.
+  TALUS_INLINE void finest_side(GridPoint p, std::uint32_t self) {
+    const std::uint32_t north = mask_.rank({p.col, p.row - 1}), south = mask_.rank({p.col, p.row + 1});
+    const std::uint32_t west = self - 1, east = self + 1;
+    keep({self, north, west}, true);
+    keep({self, west, south}, true);
+    keep({self, south, east}, true);
+    keep({self, east, north}, true);
+  }
+
+  /// All four corners are there; between them a side midpoint may be.
+  TALUS_INLINE void finest_centre(GridPoint p, std::uint32_t self) {
+    const bool north = mask_.contains({p.col, p.row - 1}), south = mask_.contains({p.col, p.row + 1});
+    const bool west = mask_.contains({p.col - 1, p.row}), east = mask_.contains({p.col + 1, p.row});
+    const std::uint32_t nw = mask_.rank({p.col - 1, p.row - 1}), ne = nw + 1 + (north ? 1 : 0);
+    const std::uint32_t sw = mask_.rank({p.col - 1, p.row + 1}), se = sw + 1 + (south ? 1 : 0);
+    keep({self, ne, nw}, !north);
+    keep({self, nw, sw}, !west);
+    keep({self, sw, se}, !south);
+    keep({self, se, ne}, !east);
+  }
+
+  void any(GridPoint p, std::uint32_t self, std::uint8_t covers) {
+    if (covers == 0 || spacing(p) == kRootSpacing) return;
+    const bool finest = ((p.col ^ p.row) & 1) != 0;
+    const Diamond d = diamond(p);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const GridPoint apex = d.apexes[side];
+      if (!region_.contains(apex)) continue;
+      for (std::size_t end = 0; end < 2; ++end) {
+        const GridPoint other = d.ends[end];
+        if ((covers >> (2 * side + end) & 1) == 0 || !region_.contains(other)) continue;
+        if (!finest && mask_.contains(midpoint(apex, other))) continue;
+        const std::uint32_t left = mask_.rank(apex), right = mask_.rank(other);
+        const bool ccw = is_counter_clockwise({p, apex, other});
+        keep(ccw ? Corners{self, left, right} : Corners{self, right, left}, true);
+      }
     }
   }
-}
 
-TALUS_INLINE void emit_all(const RestrictedQuadtree& quadtree, Mesh& mesh) {
-  const VertexMask& mask = quadtree.vertices;
-  std::uint32_t next = 0;
-  mask.for_each([&](GridPoint p) {
-    mesh.points[next] = p;
-    emit(quadtree, p, next, [&](GridPoint q) { return mask.rank(q); }, mesh);
-    ++next;
-  });
-}
+  const RestrictedQuadtree& quadtree_;
+  const VertexMask& mask_;
+  GridRect region_;
+  GridPoint* points_;
+  Corners* out_;
+};
 
-// Counting bits is half of the work, and one instruction where there is one.
-TALUS_POPCNT void emit_all_popcnt(const RestrictedQuadtree& quadtree, Mesh& mesh) { emit_all(quadtree, mesh); }
-void emit_all_plain(const RestrictedQuadtree& quadtree, Mesh& mesh) { emit_all(quadtree, mesh); }
+TALUS_POPCNT Corners* emit_popcnt(const RestrictedQuadtree& quadtree, Mesh& mesh) { return Emitter(quadtree, mesh).run(); }
+Corners* emit_plain(const RestrictedQuadtree& quadtree, Mesh& mesh) { return Emitter(quadtree, mesh).run(); }
 
 /// Keeps the points that triangles use, in order.
 void drop_unused(Mesh& mesh) {
@@ -92,8 +127,9 @@ Mesh triangulate(const RestrictedQuadtree& quadtree) {
   mesh.region = quadtree.vertices.region();
   mesh.heights = quadtree.heights;
   mesh.points.resize(quadtree.vertices.size());
-  mesh.triangles.reserve(2 * quadtree.vertices.size());
-  has_popcnt() ? emit_all_popcnt(quadtree, mesh) : emit_all_plain(quadtree, mesh);
+  mesh.triangles.resize(2 * quadtree.vertices.size() + 1);  // a planar mesh has fewer; one to write and not keep
+  const Corners* end = has_popcnt() ? emit_popcnt(quadtree, mesh) : emit_plain(quadtree, mesh);
+  mesh.triangles.resize(static_cast<std::size_t>(end - mesh.triangles.data()));
   // Without voids every vertex of a region with an area is the corner of a triangle in it.
   if (!quadtree.covers.empty() || mesh.triangles.empty()) drop_unused(mesh);
   return mesh;

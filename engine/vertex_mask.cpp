@@ -1,6 +1,6 @@
-#include <algorithm>
 #include <limits>
 
+#include "engine/popcnt.hpp"
 #include "talus/failure.hpp"
 #include "talus/quadtree.hpp"
 
@@ -9,6 +9,21 @@ namespace talus {
 VertexMask::VertexMask(GridRect region)
     : region_(region), words_per_row_((static_cast<std::size_t>(region.cols()) + 63) / 64),
       words_(words_per_row_ * static_cast<std::size_t>(region.rows())) {}
+
+namespace {
+
+TALUS_INLINE void ranks_of(const VertexMask& mask, std::span<const GridPoint> points, std::span<std::uint32_t> out) {
+  for (std::size_t i = 0; i < points.size(); ++i) out[i] = mask.rank(points[i]);
+}
+TALUS_POPCNT void ranks_popcnt(const VertexMask& mask, std::span<const GridPoint> points, std::span<std::uint32_t> out) {
+  ranks_of(mask, points, out);
+}
+
+}  // namespace
+
+void VertexMask::ranks(std::span<const GridPoint> points, std::span<std::uint32_t> out) const {
+  has_popcnt() ? ranks_popcnt(*this, points, out) : ranks_of(*this, points, out);
+}
 
 void VertexMask::seal() {
   before_.resize(words_.size());

@@ -51,10 +51,11 @@ class RangeQuery {
   }
 
  private:
+  /// The selected vertices of a page.
   struct Found {
-    GridPoint at;
-    double height;
-    std::uint8_t covers;
+    std::vector<GridPoint> at;
+    std::vector<double> heights;
+    std::vector<std::uint8_t> covers;  ///< empty: all 15
   };
   using PageKeyPair = std::pair<int, std::uint64_t>;
 
@@ -70,13 +71,14 @@ class RangeQuery {
   [[nodiscard]] bool is_forced(PageId id) const { return forced_pages_.contains({id.band, curve_position(id)}); }
 
   void visit(PageId id) {
-    const auto page = pages_.find(id, cost_);
-    if (!page) return;  // voids only: no triangle needs it
+    const Page* page = pages_.find(id, decoder_, cost_);
+    if (page == nullptr) return;  // voids only: no triangle needs it
     select(*page);
-    for (std::size_t i = 0; i < page->children.size(); ++i) {
+    const std::vector<ChildEntry> children = page->children;  // the page's memory is the next page's
+    for (std::size_t i = 0; i < children.size(); ++i) {
       const auto x = static_cast<std::int32_t>(i) % kChildrenAcross, y = static_cast<std::int32_t>(i) / kChildrenAcross;
       const PageId child{id.band - 1, id.x * kChildrenAcross + x, id.y * kChildrenAcross + y};
-      const ChildEntry& entry = page->children[i];
+      const ChildEntry& entry = children[i];
       if (!entry.present || !overlap(page_square(child), region_)) continue;
       if (entry.largest > threshold_ || is_forced(child)) {
         visit(child);
@@ -98,12 +100,14 @@ class RangeQuery {
     const bool coarsest = page.id.band == page.bands - 1, forced = is_forced(page.id);
     const std::int32_t coarser = kChildrenAcross - 1;  // units with these bits clear belong to the band above
 
-    found_here_.clear();
+    for_next_page();
     const auto decide = [&](std::int32_t col, std::int32_t row, std::size_t i, bool above) {
       const GridPoint p = grid.at(col, row);
       if (!above && !(forced && vertices_.contains(p))) return false;
       vertices_.insert(p);
-      found_here_.push_back({p, page.heights[i], page.covers.empty() ? std::uint8_t{15} : page.covers[i]});
+      here_.at.push_back(p);
+      here_.heights.push_back(page.heights[i]);
+      if (!page.covers.empty()) here_.covers.push_back(page.covers[i]);
       return true;
     };
     const auto stored = [&](std::int32_t col, std::int32_t row, std::size_t i) {
@@ -137,7 +141,13 @@ class RangeQuery {
         }
       }
     }
-    found_.emplace_back(found_here_);
+    found_.push_back(here_);
+  }
+
+  void for_next_page() {
+    here_.at.clear();
+    here_.heights.clear();
+    here_.covers.clear();
   }
 
   RestrictedQuadtree collect() {
@@ -146,21 +156,20 @@ class RangeQuery {
     answer.bound = Metres{bound()};
     std::size_t count = 0;
     bool all_covered = true;
-    for (const auto& page : found_) {
-      count += page.size();
-      for (const Found& f : page) all_covered = all_covered && f.covers == 15;
+    for (const Found& page : found_) {
+      count += page.at.size();
+      all_covered = all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
     }
     keep_found_only(count);
-    vertices_.seal();
     answer.heights.resize(count);
-    if (!all_covered) answer.covers.resize(count);
+    if (!all_covered) answer.covers.resize(count, 15);
     const HeightStep& step = manifest_.description.step;
-    for (const auto& page : found_) {
-      for (const Found& f : page) {
-        const std::uint32_t rank = vertices_.rank(f.at);
-        answer.heights[rank] = step.value(f.height);
-        if (!all_covered) answer.covers[rank] = f.covers;
-      }
+    std::vector<std::uint32_t> ranks;
+    for (const Found& page : found_) {
+      ranks.resize(page.at.size());
+      vertices_.ranks(page.at, ranks);
+      for (std::size_t i = 0; i < ranks.size(); ++i) answer.heights[ranks[i]] = step.value(page.heights[i]);
+      for (std::size_t i = 0; !all_covered && i < page.covers.size(); ++i) answer.covers[ranks[i]] = page.covers[i];
     }
     answer.vertices = std::move(vertices_);
     return answer;
@@ -171,9 +180,10 @@ class RangeQuery {
     vertices_.seal();
     if (vertices_.size() == count) return;
     vertices_ = VertexMask(region_);
-    for (const auto& page : found_) {
-      for (const Found& f : page) vertices_.insert(f.at);
+    for (const Found& page : found_) {
+      for (const GridPoint p : page.at) vertices_.insert(p);
     }
+    vertices_.seal();
   }
 
   [[nodiscard]] double bound() const {
@@ -192,8 +202,9 @@ class RangeQuery {
   double margin_m_, largest_residual_;
   VertexMask vertices_;
   std::set<PageKeyPair> forced_pages_;
-  std::vector<std::vector<Found>> found_;  // by page
-  std::vector<Found> found_here_;
+  std::vector<Found> found_;  // by page
+  Found here_;
+  PageDecoder decoder_;
   ErrorCode largest_absent_ = 0;
   double largest_absent_residual_ = -1;
   QueryCost cost_;
@@ -227,9 +238,10 @@ SampleWindow stored_samples(const StoredPages& pages, GridRect region) {
   window.valid.assign(window.values.size(), 0);
   const HeightStep& step = pages.manifest().description.step;
   QueryCost unused;
+  PageDecoder decoder;
   for (const PageId id : pages_of_band(0, region)) {
-    const auto page = pages.find(id, unused);
-    if (!page) continue;
+    const Page* page = pages.find(id, decoder, unused);
+    if (page == nullptr) continue;
     for (std::int32_t row = 0; row < page->grid.rows; ++row) {
       for (std::int32_t col = 0; col < page->grid.cols; ++col) {
         const GridPoint p = page->grid.at(col, row);

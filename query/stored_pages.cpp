@@ -18,12 +18,12 @@ StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
 
-std::optional<Page> StoredPages::find(PageId id, QueryCost& cost) const {
+const Page* StoredPages::find(PageId id, PageDecoder& decoder, QueryCost& cost) const {
   const auto bytes = txn_.find({id.band, curve_position(id)});
-  if (!bytes) return std::nullopt;
+  if (!bytes) return nullptr;
   ++cost.pages_read;
   cost.bytes_read += bytes->size() + kChecksumBytes;
-  return decode(id, manifest_.description.extent, manifest_.bands, *bytes);
+  return &decoder.decode(id, manifest_.description.extent, manifest_.bands, *bytes);
 }
 
 }  // namespace talus

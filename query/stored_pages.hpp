@@ -2,7 +2,6 @@
 // The pages of one consistent view, decoded on demand.
 
 #include <filesystem>
-#include <optional>
 
 #include "engine/manifest.hpp"
 #include "engine/page_codec.hpp"
@@ -23,9 +22,9 @@ class StoredPages {
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
   [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
 
-  /// A page, or nothing if none is stored there. Adds what it cost.
+  /// A page, until the decoder's next, or null if none is stored there. Adds what it cost.
   /// fails  corrupt
-  [[nodiscard]] std::optional<Page> find(PageId id, QueryCost& cost) const;
+  [[nodiscard]] const Page* find(PageId id, PageDecoder& decoder, QueryCost& cost) const;
 
  private:
   ReadTxn txn_;

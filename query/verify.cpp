@@ -79,7 +79,7 @@ class Verification {
     if (page_grid(id, extent_).size() == 0) return find(fmt::format("{}: outside the extent", name(id)));
     QueryCost unused;
     try {
-      if (const auto page = pages_.find(id, unused)) entries.emplace(curve_position(id), check(*page));
+      if (const Page* page = pages_.find(id, decoder_, unused)) entries.emplace(curve_position(id), check(*page));
     } catch (const Failure& f) {
       find(f.what());
       entries.emplace(curve_position(id), ChildEntry{});  // there, if broken
@@ -152,6 +152,7 @@ class Verification {
 
   const StoredPages& pages_;
   GridRect extent_;
+  PageDecoder decoder_;
   Entries below_;
 };
 

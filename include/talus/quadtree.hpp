@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "talus/units.hpp"
@@ -20,7 +21,7 @@ class VertexMask {
   explicit VertexMask(GridRect region);
 
   [[nodiscard]] const GridRect& region() const { return region_; }
-  [[nodiscard]] bool contains(GridPoint p) const {  ///< p must lie in the region
+  [[nodiscard, gnu::always_inline]] bool contains(GridPoint p) const {  ///< p must lie in the region
     const auto [word, bit] = place(p);
     return (words_[word] >> bit & 1u) != 0;
   }
@@ -32,14 +33,16 @@ class VertexMask {
   void seal();
   [[nodiscard]] std::size_t size() const { return size_; }
   /// How many members stand before p, row by row. p itself need not be a member.
-  [[nodiscard]] std::uint32_t rank(GridPoint p) const {
+  [[nodiscard, gnu::always_inline]] std::uint32_t rank(GridPoint p) const {
     const auto [word, bit] = place(p);
     return before_[word] + static_cast<std::uint32_t>(
         std::popcount(words_[word] & ((std::uint64_t{1} << bit) - 1)));
   }
+  /// The ranks of many points at once.
+  void ranks(std::span<const GridPoint> points, std::span<std::uint32_t> out) const;
   /// Calls visit(GridPoint) for each member in rank order.
   template <class Visit>
-  void for_each(Visit&& visit) const {
+  [[gnu::always_inline]] void for_each(Visit&& visit) const {
     for (std::int64_t row = 0; row < region_.rows(); ++row) {
       const std::size_t start = static_cast<std::size_t>(row) * words_per_row_;
       for (std::size_t w = 0; w < words_per_row_; ++w) {
@@ -54,7 +57,7 @@ class VertexMask {
 
  private:
   struct Place { std::size_t word; unsigned bit; };
-  [[nodiscard]] Place place(GridPoint p) const {
+  [[nodiscard, gnu::always_inline]] Place place(GridPoint p) const {
     const auto col = static_cast<std::size_t>(std::int64_t{p.col} - region_.first.col);
     const auto row = static_cast<std::size_t>(std::int64_t{p.row} - region_.first.row);
     return {row * words_per_row_ + col / 64, static_cast<unsigned>(col % 64)};
