@@ -16,7 +16,7 @@ namespace talus {
 struct ChildEntry {
   bool present = false;   ///< it is stored; one that holds voids only is not
   ErrorCode largest = 0;  ///< saturated error of any vertex in it or in pages below it
-  float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; voids do not count
+  float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; +inf and -inf: voids only
   friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
 };
 

@@ -59,6 +59,12 @@ struct PageId {
 
 [[nodiscard]] constexpr PageId parent_page(PageId id) { return {id.band + 1, id.x >> kBandLevels, id.y >> kBandLevels}; }
 
+/// The page below that stands at `index` of the table of pages below: row by row.
+[[nodiscard]] constexpr PageId child_page(PageId id, std::size_t index) {
+  const auto i = static_cast<std::int32_t>(index);
+  return {id.band - 1, id.x * kChildrenAcross + i % kChildrenAcross, id.y * kChildrenAcross + i / kChildrenAcross};
+}
+
 /// The page's square in cells: first its north-west sample, last the last cell before the next page.
 [[nodiscard]] constexpr GridRect page_square(PageId id) {
   const std::int64_t side = std::int64_t{kPageSide} << band_shift(id.band);

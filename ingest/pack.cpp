@@ -57,7 +57,7 @@ class Packer {
   /// Errors, triangles with data, the table of pages below; returns what the page above must know.
   ChildEntry complete(Page& page) const {
     ChildEntry entry;
-    entry.present = page.valid.empty();
+    entry.present = page.valid.empty() || page.id.band == bands_ - 1;  // a query starts at the coarsest
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
     if (in_.errors_from.voids != nullptr) page.covers.assign(page.grid.size(), 0);
     bool covers_differ = false;
@@ -85,8 +85,8 @@ class Packer {
     if (!covers_differ && page.valid.empty()) page.covers.clear();
     imply_midpoints(page);
     add_children(page, entry, lowest, highest);
-    entry.lowest = lowest <= highest ? rounded_down(lowest) : 0;
-    entry.highest = lowest <= highest ? rounded_up(highest) : 0;
+    entry.lowest = rounded_down(lowest);  // +inf above -inf where there are voids only
+    entry.highest = rounded_up(highest);
     return entry;
   }
 
@@ -114,20 +114,15 @@ class Packer {
   void add_children(Page& page, ChildEntry& entry, double& lowest, double& highest) const {
     if (page.id.band == 0) return;
     page.children.resize(static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross);
-    for (std::int32_t y = 0; y < kChildrenAcross; ++y) {
-      for (std::int32_t x = 0; x < kChildrenAcross; ++x) {
-        const PageId id{page.id.band - 1, page.id.x * kChildrenAcross + x, page.id.y * kChildrenAcross + y};
-        const auto found = below_.find(curve_position(id));
-        if (found == below_.end()) continue;
-        const ChildEntry& child = found->second;
-        page.children[static_cast<std::size_t>(y * kChildrenAcross + x)] = child;
-        entry.present = true;
-        entry.largest = std::max(entry.largest, child.largest);
-        if (child.lowest <= child.highest) {
-          lowest = std::min<double>(lowest, child.lowest);
-          highest = std::max<double>(highest, child.highest);
-        }
-      }
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const auto found = below_.find(curve_position(child_page(page.id, i)));
+      if (found == below_.end()) continue;
+      const ChildEntry& child = found->second;
+      page.children[i] = child;
+      entry.present = true;
+      entry.largest = std::max(entry.largest, child.largest);
+      lowest = std::min<double>(lowest, child.lowest);
+      highest = std::max<double>(highest, child.highest);
     }
   }
 

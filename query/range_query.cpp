@@ -71,13 +71,11 @@ class RangeQuery {
   [[nodiscard]] bool is_forced(PageId id) const { return forced_pages_.contains({id.band, curve_position(id)}); }
 
   void visit(PageId id) {
-    const Page* page = pages_.find(id, decoder_, cost_);
-    if (page == nullptr) return;  // voids only: no triangle needs it
-    select(*page);
-    const std::vector<ChildEntry> children = page->children;  // the page's memory is the next page's
+    const Page& page = pages_.get(id, decoder_, cost_);
+    select(page);
+    const std::vector<ChildEntry> children = page.children;  // the page's memory is the next page's
     for (std::size_t i = 0; i < children.size(); ++i) {
-      const auto x = static_cast<std::int32_t>(i) % kChildrenAcross, y = static_cast<std::int32_t>(i) / kChildrenAcross;
-      const PageId child{id.band - 1, id.x * kChildrenAcross + x, id.y * kChildrenAcross + y};
+      const PageId child = child_page(id, i);
       const ChildEntry& entry = children[i];
       if (!entry.present || !overlap(page_square(child), region_)) continue;
       if (entry.largest > threshold_ || is_forced(child)) {
@@ -220,6 +218,18 @@ void require_inside(const StoredPages& pages, GridRect region) {
   }
 }
 
+void copy_samples(const Page& page, const HeightStep& step, SampleWindow& to) {
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      const GridPoint p = page.grid.at(col, row);
+      const std::size_t i = page.index(col, row);
+      if (!to.region.contains(p) || (!page.valid.empty() && !page.valid[i])) continue;
+      to.values[to.index(p)] = step.value(page.heights[i]);
+      to.valid[to.index(p)] = 1;
+    }
+  }
+}
+
 }  // namespace
 
 Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance) {
@@ -239,19 +249,18 @@ SampleWindow stored_samples(const StoredPages& pages, GridRect region) {
   const HeightStep& step = pages.manifest().description.step;
   QueryCost unused;
   PageDecoder decoder;
-  for (const PageId id : pages_of_band(0, region)) {
-    const Page* page = pages.find(id, decoder, unused);
-    if (page == nullptr) continue;
-    for (std::int32_t row = 0; row < page->grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page->grid.cols; ++col) {
-        const GridPoint p = page->grid.at(col, row);
-        const std::size_t from = page->index(col, row);
-        if (!region.contains(p) || (!page->valid.empty() && !page->valid[from])) continue;
-        const std::size_t to = window.index(p);
-        window.values[to] = step.value(page->heights[from]);
-        window.valid[to] = 1;
-      }
+  // From the top down: only a page above tells one that is missing from one that holds voids.
+  const auto visit = [&](auto&& self, PageId id) -> void {
+    const Page& page = pages.get(id, decoder, unused);
+    const std::vector<ChildEntry> children = page.children;
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      const PageId child = child_page(id, i);
+      if (children[i].present && overlap(page_square(child), region)) self(self, child);
     }
+    if (id.band == 0) copy_samples(page, step, window);
+  };
+  for (const PageId id : pages_of_band(pages.manifest().bands - 1, pages.manifest().description.extent)) {
+    if (overlap(page_square(id), region)) visit(visit, id);
   }
   return window;
 }

@@ -18,12 +18,14 @@ StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
 
-const Page* StoredPages::find(PageId id, PageDecoder& decoder, QueryCost& cost) const {
+const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost) const {
   const auto bytes = txn_.find({id.band, curve_position(id)});
-  if (!bytes) return nullptr;
+  if (!bytes) {
+    throw Failure(Cause::corrupt, fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band));
+  }
   ++cost.pages_read;
   cost.bytes_read += bytes->size() + kChecksumBytes;
-  return &decoder.decode(id, manifest_.description.extent, manifest_.bands, *bytes);
+  return decoder.decode(id, manifest_.description.extent, manifest_.bands, *bytes);
 }
 
 }  // namespace talus

@@ -22,9 +22,9 @@ class StoredPages {
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
   [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
 
-  /// A page, until the decoder's next, or null if none is stored there. Adds what it cost.
-  /// fails  corrupt
-  [[nodiscard]] const Page* find(PageId id, PageDecoder& decoder, QueryCost& cost) const;
+  /// A page that must be there, until the decoder's next. Adds what it cost.
+  /// fails  corrupt: missing or damaged
+  [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost) const;
 
  private:
   ReadTxn txn_;

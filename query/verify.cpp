@@ -79,7 +79,7 @@ class Verification {
     if (page_grid(id, extent_).size() == 0) return find(fmt::format("{}: outside the extent", name(id)));
     QueryCost unused;
     try {
-      if (const Page* page = pages_.find(id, decoder_, unused)) entries.emplace(curve_position(id), check(*page));
+      entries.emplace(curve_position(id), check(pages_.get(id, decoder_, unused)));
     } catch (const Failure& f) {
       find(f.what());
       entries.emplace(curve_position(id), ChildEntry{});  // there, if broken
@@ -100,8 +100,7 @@ class Verification {
       }
     }
     for (std::size_t i = 0; i < page.children.size(); ++i) {
-      const PageId below{page.id.band - 1, page.id.x * kChildrenAcross + static_cast<std::int32_t>(i) % kChildrenAcross,
-                         page.id.y * kChildrenAcross + static_cast<std::int32_t>(i) / kChildrenAcross};
+      const PageId below = child_page(page.id, i);
       const auto found = below_.find(curve_position(below));
       const ChildEntry& said = page.children[i];
       if ((found != below_.end()) != said.present) {
