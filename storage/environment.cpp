@@ -66,7 +66,22 @@ class OpenFiles {
     check(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_RDONLY | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0), "open", file);
     made->file = file;
     made->file_bytes = bytes;
+    open_tables(*made);
     return made;
+  }
+
+  static void open_tables(PageStore::Environment& made) {
+    MDB_txn* raw = nullptr;
+    check(mdb_txn_begin(made.env.get(), nullptr, MDB_RDONLY, &raw), "begin", made.file);
+    TxnPtr txn(raw);
+    for (std::size_t i = 0; i < kMaxTables; ++i) {
+      MDB_dbi table = 0;
+      const int code = mdb_dbi_open(raw, table_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
+      if (code == MDB_NOTFOUND) continue;
+      check(code, "open table", made.file);
+      made.tables[i] = table;
+    }
+    check(mdb_txn_commit(txn.release()), "keep tables", made.file);
   }
 
   std::mutex mutex_;

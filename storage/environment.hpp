@@ -1,9 +1,11 @@
 #pragma once
 // What the files of this folder share of LMDB.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "storage/page_store.hpp"
@@ -33,6 +35,9 @@ inline constexpr unsigned kMaxTables = 33;  ///< the header's and 32 bands'
 
 struct PageStore::Environment {
   EnvPtr env;
+  /// LMDB's handles of the tables, the header's first. Opened once: two transactions that open tables at a time
+  /// share a slot and spoil each other.
+  std::array<std::optional<unsigned>, kMaxTables> tables{};
   std::filesystem::path file;
   std::uint64_t file_bytes = 0;
 };

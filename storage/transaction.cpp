@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cerrno>
-#include <mutex>
 
 #include "storage/checksum.hpp"
 #include "storage/environment.hpp"
@@ -32,29 +31,22 @@ std::uint64_t get_big_endian(const void* from) {
 struct ReadTxn::Impl {
   std::shared_ptr<PageStore::Environment> environment;
   TxnPtr txn;
-  std::array<std::optional<MDB_dbi>, kMaxTables> tables{};
 
   [[nodiscard]] const std::filesystem::path& file() const { return environment->file; }
   [[nodiscard]] const std::optional<MDB_dbi>& table(int number) const {
-    return tables.at(static_cast<std::size_t>(number - kHeaderTable));
+    return environment->tables.at(static_cast<std::size_t>(number - kHeaderTable));
   }
 };
 
 ReadTxn::ReadTxn(const PageStore& store) : impl_(std::make_unique<Impl>()) {
   impl_->environment = store.environment_;
-  MDB_env* env = impl_->environment->env.get();
-  // LMDB lets one thread at a time open tables.
-  static std::mutex opening;
-  const std::lock_guard lock(opening);
   MDB_txn* txn = nullptr;
-  check(mdb_txn_begin(env, nullptr, MDB_RDONLY, &txn), "begin", impl_->file());
+  check(mdb_txn_begin(impl_->environment->env.get(), nullptr, MDB_RDONLY, &txn), "begin", impl_->file());
   impl_->txn.reset(txn);
-  for (int number = kHeaderTable; number < static_cast<int>(kMaxTables) - 1; ++number) {
-    MDB_dbi dbi = 0;
-    const int code = mdb_dbi_open(txn, table_name(number).c_str(), 0, &dbi);
-    if (code == MDB_NOTFOUND) continue;
-    check(code, "open table", impl_->file());
-    impl_->tables[static_cast<std::size_t>(number - kHeaderTable)] = dbi;
+  // The first look at a table changes the transaction; after it, several threads may look.
+  for (const auto& table : impl_->environment->tables) {
+    MDB_stat ignored{};
+    if (table) check(mdb_stat(txn, *table, &ignored), "look at a table", impl_->file());
   }
 }
 
