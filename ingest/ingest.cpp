@@ -1,10 +1,11 @@
 #include "talus/ingest.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -19,10 +20,19 @@
 namespace talus {
 namespace {
 
-void require_size(const Description& d) {
-  if (d.extent.cols() >= kMaxExtent || d.extent.rows() >= kMaxExtent) {
-    throw Failure(Cause::invalid_argument, fmt::format("{}: {} × {} samples, at most {} each way are taken", d.source_name,
-                                                       d.extent.cols(), d.extent.rows(), kMaxExtent - 1));
+/// Says beforehand what would otherwise end in the system's killing the process half-way.
+void require_memory(const Description& d) {
+  // Heights, masks of voids, slabs and GDAL by sample; errors and what triangles hold by vertex, rim included.
+  constexpr double kPerSample = 16, kPerVertex = 5, kRim = 9;
+  const double needed = static_cast<double>(d.extent.samples()) * kPerSample +
+                        (static_cast<double>(d.extent.cols()) + kRim) * (static_cast<double>(d.extent.rows()) + kRim) * kPerVertex;
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (needed > there) {
+    constexpr double kGiB = 1 << 30;
+    throw Failure(Cause::unsupported,
+                  fmt::format("{}: {} × {} samples take about {:.0f} GiB of memory to ingest, this machine has {:.0f}; "
+                              "cut the raster into parts (gdal_translate -srcwin)",
+                              d.source_name, d.extent.cols(), d.extent.rows(), std::ceil(needed / kGiB), there / kGiB));
   }
 }
 
@@ -77,7 +87,7 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
   Description& d = manifest.description;
   d = source.description();
   d.void_weight = options.void_weight;
-  require_size(d);
+  require_memory(d);
   PartFile part(database, options.overwrite);
 
   Heights heights = read(source, d, [&](double f) { tell(0.3 * f, "reading"); });

@@ -32,9 +32,9 @@ struct IngestReport {
 /// input     a local raster file GDAL reads: Byte, Int16, UInt16, Int32, UInt32, Float32 or Float64, one band
 ///           (the first is taken), nodata and NaN are voids; heights within ±10⁶ metres
 /// database  the file to make; work happens in `database`.part and is renamed at the end
-/// fails     not_found, unsupported (driver, type, rotation), invalid_argument (no band, all void, a value
+/// fails     not_found, unsupported (driver, type, rotation, more samples than memory), invalid_argument (no band, all void, a value
 ///           that is no height, database exists), full, io; nothing is left behind
-/// cost      memory about 20 bytes a sample, time about linear
+/// cost      memory about 20 bytes a sample, checked beforehand; time about linear
 /// source    exact errors [P98 §5], saturation, pages docs/format/v1.md
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,
                     const IngestOptions& options = {});
