@@ -99,14 +99,13 @@ Exit run(const Request& request) {
 void add_info(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("info", "Say what a database holds");
-  command->description(
-      "Say what a database holds: source, size, coordinates, heights, pages.\n"
-      "\n"
-      "Coordinates are those of the database's CRS and name samples, which are pixel centres; heights are\n"
-      "in the source's vertical unit. Pages are listed by the spacing, in cells, of their finest vertices.");
   command->add_option("DATABASE", request->database, "Database file")->required();
   command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer("\nExample:\n  talus info alps.talus");
+  command->footer(
+      "\n"
+      "Coordinates are those of the database's CRS and name samples, which are pixel centres; heights are\n"
+      "in the source's vertical unit. Pages are listed by the spacing, in cells, of their finest vertices.\n"
+      "\nExample:\n  talus info alps.talus");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

@@ -70,12 +70,6 @@ Exit run(const Request& request) {
 void add_ingest(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("ingest", "Make a database from an elevation raster");
-  command->description(
-      "Make a database from an elevation raster.\n"
-      "\n"
-      "Takes the first band of a local raster file (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL\n"
-      "reads), computes the exact error of every vertex and writes one file. Samples are pixel centres;\n"
-      "nodata, masks and NaN are voids; the band's scale, offset and unit are applied.");
   command->add_option("INPUT", request->input, "Raster file")->required();
   command->add_option("DATABASE", request->database, "Database file to make")->required();
   command->add_flag("--overwrite", request->overwrite, "Replace the database if it exists");
@@ -84,7 +78,12 @@ void add_ingest(CLI::App& program, Action& action) {
                       "weight draws the outline of the data more finely")
       ->option_text("W [1]");
   command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer("\nExample:\n  talus ingest alps.tif alps.talus");
+  command->footer(
+      "\n"
+      "Takes the first band of a local raster file (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL\n"
+      "reads), computes the exact error of every vertex and writes one file. Samples are pixel centres;\n"
+      "nodata, masks and NaN are voids; the band's scale, offset and unit are applied.\n"
+      "\nExample:\n  talus ingest alps.tif alps.talus");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

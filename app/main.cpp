@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -39,7 +40,7 @@ Exit complain(std::string sentence, Exit code) {
 Exit run(std::vector<std::string> arguments) {
   CLI::App program{
       "Terrain with a true error bound: takes in an elevation raster, answers any rectangle at any\n"
-      "tolerance with a crack-free mesh no covered sample of which is farther away than asked.",
+      "tolerance with a crack-free mesh no covered sample of which is farther away than asked.\n",
       "talus"};
   program.set_version_flag("--version", "talus " TALUS_VERSION, "Print the version and exit");
   program.set_help_flag("-h,--help", "Print this help and exit; talus SUBCOMMAND --help says more");
@@ -56,6 +57,7 @@ Exit run(std::vector<std::string> arguments) {
   add_query(program, action);
   add_verify(program, action);
 
+  const std::string first = arguments.empty() ? "" : arguments.front();
   try {
     arguments = join_numbers(std::move(arguments));
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
@@ -64,6 +66,10 @@ Exit run(std::vector<std::string> arguments) {
     program.exit(wanted);
     return std::fflush(stdout) == 0 ? Exit::done : complain("cannot write to standard output", Exit::failed);
   } catch (const CLI::ParseError& error) {
+    if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
+      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query and verify", first),
+                      Exit::usage);
+    }
     return complain(fmt::format("{} (talus --help says more)", error.what()), Exit::usage);
   }
   return action();

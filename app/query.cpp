@@ -70,13 +70,6 @@ Exit run(const Request& request) {
 void add_query(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
-  command->description(
-      "Answer a rectangle at a tolerance with a crack-free mesh: every covered sample of the rectangle lies\n"
-      "within the tolerance of its surface.\n"
-      "\n"
-      "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
-      "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
-      "out in the source's vertical unit.");
   command->add_option("DATABASE", request->database, "Database file")->required();
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M REQUIRED")->required();
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
@@ -90,6 +83,13 @@ void add_query(CLI::App& program, Action& action) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
+      "\n"
+      "Answer a rectangle at a tolerance with a crack-free mesh: every covered sample of the rectangle lies\n"
+      "within the tolerance of its surface.\n"
+      "\n"
+      "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
+      "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
+      "out in the source's vertical unit.\n"
       "\nExample:\n"
       "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png");
   command->callback([request, &action] { action = [request] { return run(*request); }; });

@@ -96,17 +96,18 @@ Exit run(const Request& request) {
 void add_verify(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("verify", "Check a database, and hold it against its raster");
-  command->description(
-      "Check a database: every page's checksum and content, page tables against pages, errors never below\n"
-      "their children's. With --against also every stored sample against the raster, bit for bit; with\n"
-      "--tolerance also the true error, in metres, of that answer: its mesh laid over every sample.\n"
-      "\n"
-      "Exit code 3 if anything is wrong.");
   command->add_option("DATABASE", request->database, "Database file")->required();
   command->add_option("--against", request->against, "The raster the database was made from")->option_text("DEM");
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")->option_text("M");
   command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer("\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");
+  command->footer(
+      "\n"
+      "Check a database: every page's checksum and content, page tables against pages, errors never below\n"
+      "their children's. With --against also every stored sample against the raster, bit for bit; with\n"
+      "--tolerance also the true error, in metres, of that answer: its mesh laid over every sample.\n"
+      "\n"
+      "Exit code 3 if anything is wrong.\n"
+      "\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

@@ -28,7 +28,7 @@ constexpr double kLongSide = 1600;       // pixels at most; never under half of 
 constexpr int kSub = 2;                  // subpixels a side
 constexpr double kLineWidth = 1.1;       // pixels
 constexpr double kLineOpacity = 0.5;
-constexpr double kFadeFrom = 9, kFadeTo = 3;  // pixels: edges shorter than the first fade, the second are gone
+constexpr double kFadeFrom = 7, kFadeTo = 2.5;  // pixels: triangles with shorter legs fade, and are gone
 constexpr double kTypicalSlope = 0.75;   // what the 90th percentile of slopes is exaggerated to
 constexpr double kOcean = -200;          // metres: data that goes this deep has a sea, and its level is 0
 
@@ -39,7 +39,7 @@ struct Colour {
 };
 Colour mix(Colour from, Colour to, float share) { return from * (1 - share) + to * share; }
 
-constexpr Colour kVoid{228, 228, 226}, kLine{38, 32, 30}, kShade{66, 70, 104}, kSunlit{255, 250, 232};
+constexpr Colour kVoid{210, 212, 214}, kLine{38, 32, 30}, kShade{66, 70, 104}, kSunlit{255, 250, 232};
 
 struct Stop {
   float at;
@@ -249,12 +249,11 @@ Colour lit(Colour ground, float east, float north) {
 }
 
 // How much of each pixel the lines cover. A line drawn twice covers no more than one.
-void draw_line(const Canvas& canvas, GridPoint from, GridPoint to, std::vector<float>& cover) {
+void draw_line(const Canvas& canvas, GridPoint from, GridPoint to, float strength, std::vector<float>& cover) {
   const double x0 = canvas.x(from) - 0.5, y0 = canvas.y(from) - 0.5;
   const double dx = canvas.x(to) - 0.5 - x0, dy = canvas.y(to) - 0.5 - y0;
   const double length = std::hypot(dx, dy);
-  const float strength = smooth_step(kFadeTo, kFadeFrom, length);
-  if (strength == 0) return;
+  if (length == 0) return;
   const bool flat = std::abs(dx) >= std::abs(dy);
   const double along0 = flat ? x0 : y0, run = flat ? dx : dy, across0 = flat ? y0 : x0, rise = (flat ? dy : dx) / run;
   const int along_end = (flat ? canvas.width : canvas.height) - 1, across_end = (flat ? canvas.height : canvas.width) - 1;
@@ -274,10 +273,15 @@ void draw_line(const Canvas& canvas, GridPoint from, GridPoint to, std::vector<f
 
 std::vector<float> lines_of(const Mesh& mesh, const Canvas& canvas) {
   std::vector<float> cover(canvas.pixels(), 0);
-  for (const auto& [a, b, c] : mesh.triangles) {
-    draw_line(canvas, mesh.points[a], mesh.points[b], cover);
-    draw_line(canvas, mesh.points[b], mesh.points[c], cover);
-    draw_line(canvas, mesh.points[c], mesh.points[a], cover);
+  for (const auto& triangle : mesh.triangles) {
+    const GridPoint a = mesh.points[triangle[0]], b = mesh.points[triangle[1]], c = mesh.points[triangle[2]];
+    const double area = (canvas.x(b) - canvas.x(a)) * (canvas.y(c) - canvas.y(a)) -
+                        (canvas.x(c) - canvas.x(a)) * (canvas.y(b) - canvas.y(a));
+    const float strength = smooth_step(kFadeTo, kFadeFrom, std::sqrt(std::abs(area)));  // of its legs, were they equal
+    if (strength == 0) continue;
+    draw_line(canvas, a, b, strength, cover);
+    draw_line(canvas, b, c, strength, cover);
+    draw_line(canvas, c, a, strength, cover);
   }
   return cover;
 }
