@@ -1,6 +1,6 @@
 #pragma once
 // The border constraint: which vertices a rectangle's sides need, so that no triangle leaves the rectangle
-// and neighbours that share a side agree on it. [P98 §9]
+// and neighbours that share a side agree on it. [P98 §10]
 
 #include <vector>
 

@@ -8,7 +8,7 @@ namespace talus {
 
 CodeDistance::CodeDistance(const HeightStep& step, double metres_per_unit) {
   const double scale = std::abs(step.scale), per_unit = std::round(1 / scale);
-  const bool is_fraction = scale < 1 && std::abs(scale * per_unit - 1) < 1e-14;
+  const bool is_fraction = scale < 1 && std::abs(scale * per_unit - 1) < 3e-16;  // the double nearest to 1/n
   factor_ = (is_fraction ? 1 : scale) * metres_per_unit;
   divisor_ = step.divisor * (is_fraction ? per_unit : 1);
 }

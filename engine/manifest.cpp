@@ -70,6 +70,10 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
                                                     layout.at("page_side").get<int>(), layout.at("band_levels").get<int>(),
                                                     kPageSide, kBandLevels));
     }
+    const Json& errors = json.at("errors");
+    if (errors.at("kind") != "exact" || errors.at("metric") != "vertical" || errors.at("lossy_bound") != 0.0) {
+      throw Failure(Cause::unsupported, "errors of another kind than exact, vertical and lossless, which this program does not know");
+    }
     m.bands = layout.at("bands");
     Description& d = m.description;
     const auto extent = json.at("extent").get<std::array<std::int32_t, 4>>();
@@ -86,8 +90,8 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.minimum = json.at("heights").at("minimum");
     d.maximum = json.at("heights").at("maximum");
     d.void_samples = json.at("heights").at("void_samples");
-    d.void_weight = json.at("errors").at("void_weight");
-    m.exact = json.at("errors").at("exact_arithmetic");
+    d.void_weight = errors.at("void_weight");
+    m.exact = errors.at("exact_arithmetic");
   } catch (const Json::exception& e) {
     throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", e.what()));
   }

@@ -8,12 +8,38 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 #include "engine/vertex_error.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
+
+namespace {
+
+float rounded_down(double v) {
+  const auto f = static_cast<float>(v);
+  return f > v ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+}
+float rounded_up(double v) { return -rounded_down(-v); }
+
+}  // namespace
+
+ChildEntry joined(const ChildEntry& a, const ChildEntry& b) {
+  return {a.present || b.present, std::max(a.largest, b.largest), std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
+}
+
+ChildEntry range_of(const Page& page, const HeightStep& step) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (std::size_t i = 0; i < page.heights.size(); ++i) {
+    if (!page.valid.empty() && !page.valid[i]) continue;
+    const double height = step.value(page.heights[i]);
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  return {true, 0, rounded_down(lowest), rounded_up(highest)};
+}
 
 double Page::implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance, bool exact) const {
   const std::size_t here = index(col, row), step = (p.col & 1) != 0 ? 1 : static_cast<std::size_t>(grid.cols);
@@ -273,7 +299,9 @@ std::vector<std::byte> encode(const Page& page) {
   std::uint64_t all = 0;
   Prediction(page.grid, numbers).run([&](std::int64_t& number, std::int64_t predicted) {
     const auto i = static_cast<std::size_t>(&number - numbers.data());
-    if (!page.valid.empty() && !page.valid[i] && page.covers[i] == 0) number = predicted;  // nobody asks for it
+    if (!page.valid.empty() && !page.valid[i] && page.covers[i] == 0 && std::isfinite(height_of(predicted, coding))) {
+      number = predicted;  // nobody asks for it; between bits of both signs it may overflow into no number
+    }
     residuals.push_back(zigzag(minus(number, predicted)));
     all |= residuals.back();
   });
@@ -343,8 +371,11 @@ PageDecoder& PageDecoder::operator=(PageDecoder&&) noexcept = default;
 
 const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes) {
   Reader in(id, bytes);
-  auto& [page, numbers, planes, stored, context] = *scratch_;
-  const auto section = [&, c = context.get()](std::size_t size, std::size_t plane = 0) { return in.section(size, scratch_->planes[plane], c); };
+  Page& page = scratch_->page;  // by name: clang 14 captures no structured binding
+  auto& numbers = scratch_->numbers;
+  auto& planes = scratch_->planes;
+  auto& stored = scratch_->stored;
+  const auto section = [&](std::size_t size, std::size_t plane = 0) { return in.section(size, planes[plane], scratch_->context.get()); };
   page.id = id;
   page.bands = bands;
   page.grid = page_grid(id, extent);

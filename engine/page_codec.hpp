@@ -20,6 +20,9 @@ struct ChildEntry {
   friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
 };
 
+/// What the page above both must know: the larger error, the wider range of heights.
+[[nodiscard]] ChildEntry joined(const ChildEntry& a, const ChildEntry& b);
+
 struct Page {
   PageId id;
   int bands = 1;                      ///< of the database: the coarsest holds all vertices above it, too
@@ -44,6 +47,9 @@ struct Page {
   /// Residual ends of an implied midpoint are its neighbours along the odd coordinate.
   [[nodiscard]] double implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance, bool exact) const;
 };
+
+/// An entry with the range of a page's valid heights, and no error yet.
+[[nodiscard]] ChildEntry range_of(const Page& page, const HeightStep& step);
 
 /// Lossless: decode(encode(page)) is page, heights bit for bit, but for heights of voids that no triangle
 /// needs. Pure: the same page gives the same bytes anywhere.

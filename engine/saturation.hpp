@@ -1,6 +1,6 @@
 #pragma once
 // Saturation: no vertex's error below one that depends on it, so that a threshold alone selects a set
-// closed under parents. [P98 §5, Eq. 3]
+// closed under parents. [P98 §7, Eq. 3]
 
 #include "engine/vertex_error.hpp"
 

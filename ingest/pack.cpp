@@ -1,18 +1,10 @@
 #include "ingest/pack.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <unordered_map>
 
 namespace talus {
 namespace {
-
-float rounded_down(double v) {
-  const auto f = static_cast<float>(v);
-  return f > v ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
-}
-float rounded_up(double v) { return -rounded_down(-v); }
 
 class Packer {
  public:
@@ -56,21 +48,14 @@ class Packer {
 
   /// Errors, triangles with data, the table of pages below; returns what the page above must know.
   ChildEntry complete(Page& page) const {
-    ChildEntry entry;
-    entry.present = page.valid.empty() || page.id.band == bands_ - 1;  // a query starts at the coarsest
-    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    ChildEntry entry = range_of(page, in_.manifest.description.step);
+    entry.present = entry.lowest <= entry.highest || page.id.band == bands_ - 1;  // a query starts at the coarsest
     if (in_.errors_from.voids != nullptr) page.covers.assign(page.grid.size(), 0);
     bool covers_differ = false;
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
         const GridPoint p = page.grid.at(col, row);
         const std::size_t i = page.index(col, row);
-        if (page.valid.empty() || page.valid[i]) {
-          const double height = in_.manifest.description.step.value(page.heights[i]);
-          lowest = std::min(lowest, height);
-          highest = std::max(highest, height);
-          entry.present = true;
-        }
         if (!page.is_own(p)) continue;
         page.errors[i] = spacing(p) >= in_.errors.root() ? kAlwaysSelected : in_.errors[p];
         if (!page.covers.empty()) {
@@ -84,10 +69,7 @@ class Packer {
     }
     if (!covers_differ && page.valid.empty()) page.covers.clear();
     imply_midpoints(page);
-    add_children(page, entry, lowest, highest);
-    entry.lowest = rounded_down(lowest);  // +inf above -inf where there are voids only
-    entry.highest = rounded_up(highest);
-    return entry;
+    return with_children(page, entry);
   }
 
   /// Triangles that leave the extent are never in a mesh; their bits are 1, so that pages of data only need none.
@@ -111,19 +93,16 @@ class Packer {
     }
   }
 
-  void add_children(Page& page, ChildEntry& entry, double& lowest, double& highest) const {
-    if (page.id.band == 0) return;
+  [[nodiscard]] ChildEntry with_children(Page& page, ChildEntry entry) const {
+    if (page.id.band == 0) return entry;
     page.children.resize(static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross);
     for (std::size_t i = 0; i < page.children.size(); ++i) {
       const auto found = below_.find(curve_position(child_page(page.id, i)));
       if (found == below_.end()) continue;
-      const ChildEntry& child = found->second;
-      page.children[i] = child;
-      entry.present = true;
-      entry.largest = std::max(entry.largest, child.largest);
-      lowest = std::min<double>(lowest, child.lowest);
-      highest = std::max<double>(highest, child.highest);
+      page.children[i] = found->second;
+      entry = joined(entry, found->second);
     }
+    return entry;
   }
 
   const PackInput& in_;

@@ -5,12 +5,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
-#include <fstream>
 
+#include "storage/page_store.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -23,13 +21,14 @@ namespace fs = std::filesystem;
   throw Failure(cause, fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)));
 }
 
-/// A mistyped command must not replace somebody's raster: only files of our kind are overwritten.
-bool looks_like_a_database(const fs::path& file) {
-  std::array<unsigned char, 20> head{};
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(reinterpret_cast<char*>(head.data()), head.size())) return false;
-  constexpr std::array<unsigned char, 4> kMagic{0xde, 0xc0, 0xef, 0xbe};
-  return std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0;
+/// A mistyped command must not replace somebody's raster: only files with a header of our kind, of whatever version,
+/// are overwritten.
+bool is_a_database(const fs::path& file) {
+  try {
+    return ReadTxn(PageStore::open(file)).find({kHeaderTable, 0}).has_value();
+  } catch (const Failure&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -44,8 +43,8 @@ PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(data
     if (!overwrite) {
       throw Failure(Cause::invalid_argument, fmt::format("{}: exists already; replace it with --overwrite or choose another name", database_.string()));
     }
-    if (!fs::is_regular_file(status) || !looks_like_a_database(database_)) {
-      throw Failure(Cause::invalid_argument, fmt::format("{}: exists and is no Talus database; it is left alone, remove it or choose another name",
+    if (!fs::is_regular_file(status) || !is_a_database(database_)) {
+      throw Failure(Cause::invalid_argument, fmt::format("{}: exists and is no sound Talus database; it is left alone, remove it or choose another name",
                                                          database_.string()));
     }
   }

@@ -14,7 +14,7 @@
 namespace talus {
 namespace {
 
-/// Metres by which doubles may miss decimal heights; part of the bound where a step is no binary fraction.
+/// More metres than doubles miss decimal heights by; part of the bound where a step is no binary fraction.
 constexpr double kDecimalRounding = 1e-9;
 
 /// The largest residual of a finest side midpoint that is still within a tolerance, in height codes; errors
@@ -189,7 +189,8 @@ class RangeQuery {
     if (largest_absent_residual_ >= 0) {
       metres = std::max(metres, std::min(tolerance_, pages_.distance().metres(largest_absent_residual_) + margin_m_));
     }
-    return metres + (pages_.distance().is_binary() ? 0 : kDecimalRounding);
+    const bool heights_are_exact = pages_.distance().is_binary() && manifest_.description.step.offset == 0;
+    return metres + (heights_are_exact ? 0 : kDecimalRounding);
   }
 
   const StoredPages& pages_;

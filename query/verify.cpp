@@ -88,8 +88,7 @@ class Verification {
 
   /// What the page above should say of this one.
   ChildEntry check(const Page& page) {
-    ChildEntry entry;
-    entry.present = true;
+    ChildEntry entry = range_of(page, pages_.manifest().description.step);
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
         const GridPoint p = page.grid.at(col, row);
@@ -107,8 +106,11 @@ class Verification {
         find(fmt::format("{}: {}", name(below), said.present ? "missing" : "unknown to the page above it"));
       } else if (said.present && said.largest != found->second.largest) {
         find(fmt::format("{}: largest error {} m, the page above it says {} m", name(below), error_of(found->second.largest), error_of(said.largest)));
+      } else if (said.present && (said.lowest != found->second.lowest || said.highest != found->second.highest)) {
+        find(fmt::format("{}: heights {} to {}, the page above it says {} to {}", name(below), found->second.lowest,
+                         found->second.highest, said.lowest, said.highest));
       }
-      if (said.present) entry.largest = std::max(entry.largest, said.largest);
+      if (said.present) entry = joined(entry, said);
     }
     return entry;
   }

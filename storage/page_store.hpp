@@ -58,7 +58,7 @@ class ReadTxn {
   /// fails  corrupt: checksum
   [[nodiscard]] std::optional<std::span<const std::byte>> find(PageKey key) const;
 
-  /// visit(position, raw value size) for each page of a table in order.
+  /// visit(position) for each page of a table in order.
   void for_each(int table, const std::function<void(std::uint64_t position)>& visit) const;
   [[nodiscard]] TableSummary summary(int table) const;
   [[nodiscard]] std::uint64_t file_bytes() const;
@@ -68,11 +68,11 @@ class ReadTxn {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Makes a new file, page by page, in batches of some MiB. Only finish() keeps the work; going out of scope before
-/// removes the file.
+/// Fills a new file page by page, in batches of some MiB. The file is whole only after finish(); whoever made its
+/// name removes it if that never comes.
 class PageWriter {
  public:
-  /// fails  invalid_argument: another process is making this file; io, full
+  /// fails  io, full
   explicit PageWriter(std::filesystem::path file);
   ~PageWriter();
   PageWriter(const PageWriter&) = delete;

@@ -64,7 +64,7 @@ class Snapshot {
   /// returns    an empty quadtree's mesh has no triangles: only voids, or a region one sample wide
   /// fails      invalid_argument; corrupt for a damaged page
   /// cost       pages that hold something above the tolerance, their ancestors, and those on odd borders
-  /// source     [P98 §4, §9], design of the border: docs/architecture.md
+  /// source     [P98 §4, §10], design of the border: docs/architecture.md
   [[nodiscard]] Answer range(GridRect region, Metres tolerance) const;
 
   /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
