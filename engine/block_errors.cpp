@@ -225,12 +225,11 @@ class BlockErrors {
         !field_.extent.contains({corner.col + kBlockSide, corner.row + kBlockSide})) {
       return false;
     }
-    if (field_.covered.empty()) return true;
+    if (field_.valid.empty()) return true;
     for (std::int32_t row = corner.row; row <= corner.row + kBlockSide; ++row) {
-      const auto* from = &field_.covered[field_.index({corner.col, row})];
+      const auto* from = &field_.valid[field_.index({corner.col, row})];
       if (std::find(from, from + kSide, 0) != from + kSide) return false;
     }
-    // Covered corner to corner; a finest triangle could only be void with a void corner.
     return true;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "engine/page_layout.hpp"
 #include "talus/failure.hpp"
@@ -30,6 +31,14 @@ void require_plausible(const Manifest& m) {
   }
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
   if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0) refuse("impossible height step");
+}
+
+/// A whole number of its type: the JSON library alone would cut 2³² + 1 to 1.
+template <class Int>
+Int whole(const Json& json) {
+  if (json.is_number_unsigned() && std::in_range<Int>(json.get<std::uint64_t>())) return json.get<Int>();
+  if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<Int>(json.get<std::int64_t>())) return json.get<Int>();
+  throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}: expected a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
 }
 
 }  // namespace
@@ -60,24 +69,25 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
   Manifest m;
   try {
     if (!json.is_object() || !json.contains("talus")) throw Failure(Cause::corrupt, "corrupt: header: not a Talus header");
-    if (const int version = json.at("talus"); version != kFormatVersion) {
+    if (const int version = whole<int>(json.at("talus")); version != kFormatVersion) {
       throw Failure(Cause::unsupported, fmt::format("format version {}, this program reads version {}; ingest the source again or use "
                                                     "the program that made the database", version, kFormatVersion));
     }
     const Json& layout = json.at("layout");
     if (layout.at("band_levels") != kBandLevels || layout.at("page_side") != kPageSide) {
       throw Failure(Cause::unsupported, fmt::format("pages of {} samples and bands of {} levels, this program reads {} and {}",
-                                                    layout.at("page_side").get<int>(), layout.at("band_levels").get<int>(),
+                                                    whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")),
                                                     kPageSide, kBandLevels));
     }
     const Json& errors = json.at("errors");
     if (errors.at("kind") != "exact" || errors.at("metric") != "vertical" || errors.at("lossy_bound") != 0.0) {
       throw Failure(Cause::unsupported, "errors of another kind than exact, vertical and lossless, which this program does not know");
     }
-    m.bands = layout.at("bands");
+    m.bands = whole<int>(layout.at("bands"));
     Description& d = m.description;
-    const auto extent = json.at("extent").get<std::array<std::int32_t, 4>>();
-    d.extent = {{extent[0], extent[1]}, {extent[2], extent[3]}};
+    const Json& extent = json.at("extent");
+    const auto side = [&](std::size_t i) { return whole<std::int32_t>(extent.at(i)); };
+    d.extent = {{side(0), side(1)}, {side(2), side(3)}};
     const Json& mapping = json.at("mapping");
     d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
     d.crs_wkt = json.at("crs_wkt");
@@ -89,7 +99,7 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.step = {step.at("scale"), step.at("divisor"), step.at("offset"), step.at("integer")};
     d.minimum = json.at("heights").at("minimum");
     d.maximum = json.at("heights").at("maximum");
-    d.void_samples = json.at("heights").at("void_samples");
+    d.void_samples = whole<std::uint64_t>(json.at("heights").at("void_samples"));
     d.void_weight = errors.at("void_weight");
     m.exact = errors.at("exact_arithmetic");
   } catch (const Json::exception& e) {

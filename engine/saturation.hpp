@@ -7,7 +7,7 @@
 namespace talus {
 
 /// Raises every error to the largest among its vertex's descendants, finest level first; each parent
-/// gathers from its children. Afterwards an error of zero means exactly: every covered sample of the diamond lies on
+/// gathers from its children. Afterwards an error of zero means exactly: every valid sample of the diamond lies on
 /// the surface without the vertex. Linear time.
 void saturate(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
 

@@ -57,7 +57,7 @@ class SlabErrors {
                   static_cast<std::size_t>(at.col - first_.col)];
   }
 
-  [[nodiscard]] bool counts(std::size_t sample) const { return field_.covered.empty() || field_.covered[sample]; }
+  [[nodiscard]] bool counts(std::size_t sample) const { return field_.valid.empty() || field_.valid[sample]; }
 
   /// The samples of a slab.
   [[nodiscard]] GridRect square(GridPoint at) const {

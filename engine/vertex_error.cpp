@@ -18,7 +18,7 @@ double reference_half_error(const ErrorInput& input, GridPoint vertex, int side)
     const auto [lo, hi] = t.columns(row);
     for (std::int32_t col = lo; col <= hi; ++col) {
       const std::size_t i = field.index({col, row});
-      if (!field.covered.empty() && !field.covered[i]) continue;
+      if (!field.valid.empty() && !field.valid[i]) continue;
       largest = std::max(largest, std::abs(field.heights[i] - (start + plane.right * (col - plane.col))));
     }
   }

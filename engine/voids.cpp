@@ -12,28 +12,28 @@ std::size_t index_in(GridRect extent, GridPoint p) {
                                   (std::int64_t{p.col} - extent.first.col));
 }
 
-/// visit(index) for each covered sample of a vertex's diamond.
+/// visit(index) for each valid sample of a vertex's diamond.
 template <class Visit>
-void in_diamond(GridRect extent, std::span<const std::uint8_t> covered, GridPoint vertex, Visit&& visit) {
+void in_diamond(GridRect extent, std::span<const std::uint8_t> valid, GridPoint vertex, Visit&& visit) {
   for (int side = 0; side < 2; ++side) {
     const HalfDiamond t = half_diamond(vertex, side);
     for (std::int32_t row = std::max(t.top(), extent.first.row); row <= std::min(t.bottom(), extent.last.row); ++row) {
       const auto [lo, hi] = t.columns(row);
       for (std::int32_t col = std::max(lo, extent.first.col); col <= std::min(hi, extent.last.col); ++col) {
         const std::size_t i = index_in(extent, {col, row});
-        if (covered[i]) visit(i);
+        if (valid[i]) visit(i);
       }
     }
   }
 }
 
-/// visit(index) for each covered sample at most `reach` columns and rows away: a root corner has no diamond.
+/// visit(index) for each valid sample at most `reach` columns and rows away: a root corner has no diamond.
 template <class Visit>
-void around(GridRect extent, std::span<const std::uint8_t> covered, GridPoint p, std::int32_t reach, Visit&& visit) {
+void around(GridRect extent, std::span<const std::uint8_t> valid, GridPoint p, std::int32_t reach, Visit&& visit) {
   for (std::int32_t row = std::max(p.row - reach, extent.first.row); row <= std::min(p.row + reach, extent.last.row); ++row) {
     for (std::int32_t col = std::max(p.col - reach, extent.first.col); col <= std::min(p.col + reach, extent.last.col); ++col) {
       const std::size_t i = index_in(extent, {col, row});
-      if (covered[i]) visit(i);
+      if (valid[i]) visit(i);
     }
   }
 }
@@ -57,27 +57,6 @@ double middle_sample(std::span<const double> heights, ForEach&& for_each) {
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> covered_samples(GridRect extent, std::span<const std::uint8_t> valid) {
-  std::vector<std::uint8_t> covered(valid.size(), 0);
-  const auto cover = [&](GridPoint p, GridPoint q, GridPoint r) {
-    const std::size_t i = index_in(extent, p), j = index_in(extent, q), k = index_in(extent, r);
-    if (valid[i] && valid[j] && valid[k]) covered[i] = covered[j] = covered[k] = 1;
-  };
-  for (std::int32_t row = extent.first.row; row < extent.last.row; ++row) {
-    for (std::int32_t col = extent.first.col; col < extent.last.col; ++col) {
-      const GridPoint nw{col, row}, ne{col + 1, row}, sw{col, row + 1}, se{col + 1, row + 1};
-      if (((col ^ row) & 1) == 0) {
-        cover(ne, nw, se);
-        cover(sw, nw, se);
-      } else {
-        cover(nw, ne, sw);
-        cover(se, ne, sw);
-      }
-    }
-  }
-  return covered;
-}
 
 VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid)
     : extent_(extent), valid_(valid), halves_(extent, 0) {
@@ -116,8 +95,7 @@ std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
   return bits;
 }
 
-void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, std::span<const std::uint8_t> covered,
-                const VoidMap& voids, std::span<double> heights) {
+void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, std::span<double> heights) {
   for (std::int32_t row = extent.first.row; row <= extent.last.row; ++row) {
     for (std::int32_t col = extent.first.col; col <= extent.last.col; ++col) {
       const GridPoint p{col, row};
@@ -126,10 +104,10 @@ void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, std::span<
       heights[here] = 0;
       if (spacing(p) == kRootSpacing) {
         for (std::int32_t reach = 16; heights[here] == 0 && reach < 2 * root_side(extent); reach *= 2) {
-          heights[here] = middle_sample(heights, [&](auto&& visit) { around(extent, covered, p, reach, visit); });
+          heights[here] = middle_sample(heights, [&](auto&& visit) { around(extent, valid, p, reach, visit); });
         }
       } else if (voids.apex_triangles_with_data(p) != 0) {
-        heights[here] = middle_sample(heights, [&](auto&& visit) { in_diamond(extent, covered, p, visit); });
+        heights[here] = middle_sample(heights, [&](auto&& visit) { in_diamond(extent, valid, p, visit); });
       }
     }
   }

@@ -1,6 +1,8 @@
 #pragma once
-// What counts as data: covered samples, triangles that hold data, and one height for each void vertex a
-// triangle can need.
+// What counts as data: triangles that hold data, and one height for each void vertex a triangle can need.
+//
+// The finest triangles are the halves of unit cells along the diagonal that joins corners of even col+row; one
+// is valid iff its three corners are, and a larger one holds data iff it holds a valid one.
 
 #include <cstdint>
 #include <span>
@@ -13,11 +15,6 @@ namespace talus {
 
 /// What the finest triangles inside a triangle are. Beyond the extent there are none of either kind.
 enum Holds : std::uint8_t { kNothing = 0, kData = 1, kVoid = 2, kMixed = 3 };
-
-/// The finest triangles are the halves of unit cells along the diagonal that joins corners of even
-/// col+row; one is valid iff its three corners are. A sample is covered iff it is a corner of a valid one.
-/// Linear time.
-[[nodiscard]] std::vector<std::uint8_t> covered_samples(GridRect extent, std::span<const std::uint8_t> valid);
 
 class VoidMap {
  public:
@@ -39,10 +36,9 @@ class VoidMap {
   LevelGrid<std::uint8_t> halves_;
 };
 
-/// Gives every void vertex that can be a corner of a triangle with data its height: the covered sample
+/// Gives every void vertex that can be a corner of a triangle with data its height: that of the valid sample
 /// of its own diamond that is nearest to the middle of their range. A value of the source's own is on
 /// any height step, and the choice depends on nothing outside the diamond. Other voids become 0.
-void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, std::span<const std::uint8_t> covered,
-                const VoidMap& voids, std::span<double> heights);
+void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, std::span<double> heights);
 
 }  // namespace talus

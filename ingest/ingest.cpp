@@ -91,18 +91,16 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
   PartFile part(database, options.overwrite);
 
   Heights heights = read(source, d, [&](double f) { tell(0.3 * f, "reading"); });
-  std::vector<std::uint8_t> covered;
   std::optional<VoidMap> voids;
   if (!heights.valid.empty()) {
-    covered = covered_samples(d.extent, heights.valid);
     voids.emplace(d.extent, heights.valid);
-    fill_voids(d.extent, heights.valid, covered, *voids, heights.codes);
+    fill_voids(d.extent, heights.valid, *voids, heights.codes);
   }
   tell(0.35, "errors");
 
   const GroundScale ground = ground_scale(d);
   ErrorInput input_of_errors;
-  input_of_errors.field = {d.extent, heights.codes, covered, CodeDistance(d.step, d.metres_per_unit),
+  input_of_errors.field = {d.extent, heights.codes, heights.valid, CodeDistance(d.step, d.metres_per_unit),
                            interpolation_is_exact(heights.codes, root_side(d.extent)), are_whole_numbers(heights.codes)};
   input_of_errors.voids = voids ? &*voids : nullptr;
   input_of_errors.ground_side = [&](const HalfDiamond& t) { return ground.longest_side(t).value; };

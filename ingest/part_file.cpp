@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -31,6 +32,14 @@ bool is_a_database(const fs::path& file) {
   }
 }
 
+/// Empty, or begun by LMDB: nothing else may be lost for the sake of a name.
+bool is_unfinished_database(int handle) {
+  std::array<unsigned char, 20> head{};
+  const ssize_t got = ::pread(handle, head.data(), head.size(), 0);
+  constexpr std::array<unsigned char, 4> kMagic{0xde, 0xc0, 0xef, 0xbe};
+  return got == 0 || (got == static_cast<ssize_t>(head.size()) && std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0);
+}
+
 }  // namespace
 
 PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(database)), part_(database_.string() + ".part") {
@@ -53,6 +62,11 @@ PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(data
   if (::flock(handle_, LOCK_EX | LOCK_NB) != 0) {
     ::close(handle_);
     throw Failure(Cause::invalid_argument, fmt::format("{}: another ingest is at work on it", part_.string()));
+  }
+  if (!is_unfinished_database(handle_)) {
+    ::close(handle_);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: exists and is not what an ingest left behind; the work needs this name, so move it away", part_.string()));
   }
   if (::ftruncate(handle_, 0) != 0) {  // what a killed ingest left
     const int error = errno;

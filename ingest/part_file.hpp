@@ -8,8 +8,8 @@ namespace talus {
 /// `database`.part: made empty and held against other ingests; removed unless published.
 class PartFile {
  public:
-  /// fails  invalid_argument: the database exists and may not be overwritten, is no database at all, or
-  ///        another ingest is at work on it; not_found: no such folder; io
+  /// fails  invalid_argument: the database exists and may not be overwritten or is no database at all; the
+  ///        working name is another ingest's or somebody's file; not_found: no such folder; io
   PartFile(std::filesystem::path database, bool overwrite);
   ~PartFile();
   PartFile(const PartFile&) = delete;

@@ -184,7 +184,6 @@ struct RasterSource::Gdal {
 
   template <class T>
   std::vector<T> read(GDALRasterBandH from, GDALDataType as, GridRect part) const;
-  [[nodiscard]] bool is_scaled() const { return scale != 1 || offset != 0; }
 };
 
 template <class T>
@@ -249,6 +248,8 @@ RasterSource::~RasterSource() = default;
 RasterSource::RasterSource(RasterSource&&) noexcept = default;
 RasterSource& RasterSource::operator=(RasterSource&&) noexcept = default;
 
+int RasterSource::bands() const { return GDALGetRasterCount(gdal_->dataset.get()); }
+
 CodeWindow RasterSource::read_codes(GridRect part) const {
   const GridRect& extent = description_.extent;
   if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
@@ -266,13 +267,13 @@ CodeWindow RasterSource::read_codes(GridRect part) const {
   const HeightStep& step = description_.step;
   const double nodata = gdal_->nodata.value_or(std::numeric_limits<double>::quiet_NaN());  // equals nothing
   const double largest = kLargestHeight / description_.metres_per_unit;
-  const bool scaled = gdal_->is_scaled();  // if not, leave the floats alone: -0.0 + 0 is 0
   for (std::size_t i = 0; i < window.codes.size(); ++i) {
     double& code = window.codes[i];
     const bool valid = window.valid[i] != 0 && code != nodata && !std::isnan(code);
     window.valid[i] = valid ? 1 : 0;
     if (!valid) continue;
-    if (scaled) code = code * gdal_->scale + gdal_->offset;
+    code *= gdal_->scale;
+    if (gdal_->offset != 0) code += gdal_->offset;  // -0.0 + 0 is 0
     const double value = step.integer ? step.value(code) : code;
     if (!(std::abs(value) <= largest)) {
       const auto cols = static_cast<std::size_t>(part.cols());

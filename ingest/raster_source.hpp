@@ -42,6 +42,9 @@ class RasterSource {
   /// Minimum, maximum and void_samples take a pass over the data: they are 0 here, ingest fills them.
   [[nodiscard]] const Description& description() const { return description_; }
 
+  /// How many bands the file has; the first is the one that is read.
+  [[nodiscard]] int bands() const;
+
   /// fails  invalid_argument: beyond the extent, or a sample that is no height; io
   /// cost   one read; 9 bytes a sample
   [[nodiscard]] CodeWindow read_codes(GridRect part) const;

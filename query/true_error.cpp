@@ -146,7 +146,7 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
         facet.for_row(row, [&](std::int32_t col, long double surface) {
           if (col < region.first.col || col > region.last.col) return;
           const std::size_t at = start + static_cast<std::size_t>(std::int64_t{col} - region.first.col);
-          if (!covered[at]) return;
+          if (!window.valid[at]) return;
           touched[at] = 1;
           const long double distance = std::abs(surface - window.values[at]);
           if (!(distance <= largest)) {  // a NaN is as wrong as it gets
@@ -161,6 +161,7 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
     for (std::size_t i = window.index({region.first.col, first}); i <= window.index({region.last.col, last}); ++i) {
       result.covered += covered[i];
       result.uncovered += covered[i] != 0 && touched[i] == 0;
+      result.stray += window.valid[i] != 0 && covered[i] == 0 && touched[i] == 0;
     }
   }
   result.largest_m = static_cast<double>(largest * description.metres_per_unit);

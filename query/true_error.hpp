@@ -10,9 +10,10 @@
 namespace talus {
 
 struct TrueError {
-  double largest_m = 0;         ///< metres between surface and sample, over the covered samples a triangle touches
+  double largest_m = 0;         ///< metres between surface and sample, over the valid samples a triangle touches
   std::uint64_t covered = 0;    ///< corners of valid finest triangles inside the mesh's region
   std::uint64_t uncovered = 0;  ///< of those, the ones no triangle of the mesh touches
+  std::uint64_t stray = 0;      ///< valid samples that are not covered and that no triangle touches
 };
 
 /// Brute force, and nothing of it shared with the code that made the mesh: each triangle is laid over

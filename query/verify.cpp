@@ -61,6 +61,7 @@ class Verification {
     report.triangles = mesh.triangles.size();
     report.covered_samples = error.covered;
     report.uncovered_samples = error.uncovered;
+    report.stray_samples = error.stray;
     if (error.uncovered > 0) find(fmt::format("{} covered samples lie under no triangle", error.uncovered));
   }
 

@@ -54,10 +54,16 @@ class Snapshot {
   /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster
   [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
 
-  /// The restricted quadtree of a region at a tolerance, its border constrained: every covered sample
-  /// of the region lies within `tolerance` of the surface, no triangle leaves the region, and answers
-  /// at one tolerance for regions that share a whole side, each at least 16 cells deep across it, meet
-  /// without a crack.
+  /// The restricted quadtree of a region at a tolerance, its border constrained: every valid sample under
+  /// the surface lies within `tolerance` of it, every covered sample of the region lies under it, no
+  /// triangle leaves the region, and answers at one tolerance for regions that share a whole side, each at
+  /// least 16 cells deep across it, meet without a crack.
+  ///
+  /// Without voids every sample is covered. Beside voids a sample is covered iff it is a corner of a valid
+  /// finest triangle: half a unit cell, cut along the diagonal that joins corners of even column + row, its
+  /// three corners data. A coarse triangle that mixes data and void is kept if its longest ground side times
+  /// Description::void_weight is within the tolerance; it may stand on void vertices, whose heights are those of
+  /// samples near them.
   ///
   /// region     within the extent
   /// tolerance  metres, >= 0, infinity allowed
@@ -106,7 +112,9 @@ struct VerifyReport {
   std::vector<std::string> findings;        ///< at most 20 are spelled out
   std::uint64_t finding_count = 0;
   std::optional<Metres> true_error;         ///< of the answer, by brute force, if a tolerance was given
-  std::uint64_t vertices = 0, triangles = 0, covered_samples = 0, uncovered_samples = 0;
+  std::uint64_t vertices = 0, triangles = 0;
+  std::uint64_t covered_samples = 0, uncovered_samples = 0;  ///< see Snapshot::range; none may be uncovered
+  std::uint64_t stray_samples = 0;          ///< valid, in no valid finest triangle, and under no triangle
 };
 
 /// Reads a rectangle of the truth to compare with.

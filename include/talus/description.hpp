@@ -11,14 +11,13 @@ namespace talus {
 
 /// How stored height codes become the source's values, bit for bit:
 /// value = code · scale / divisor + offset, in that order, in double.
-/// Sources in floats that sit on no step have scale = divisor = 1, offset = 0 and exact_codes = false.
+/// Sources in floats that sit on no step have scale = divisor = 1, offset = 0 and integer = false.
 struct HeightStep {
   double scale = 1, divisor = 1, offset = 0;
   bool integer = true;  ///< codes are whole numbers; otherwise a code is the source's own float
   friend bool operator==(const HeightStep&, const HeightStep&) = default;
   [[nodiscard]] double value(double code) const {
-    const double scaled = code * scale / divisor;
-    return offset == 0 ? scaled : scaled + offset;  // adding zero would lose the sign of -0.0
+    return integer ? code * scale / divisor + offset : code;  // a float keeps its sign of zero
   }
 };
 

@@ -77,11 +77,11 @@ struct RestrictedQuadtree {
   /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
   std::vector<std::uint8_t> covers;
   Metres tolerance;              ///< as asked
-  Metres bound;                  ///< no covered sample is farther from the surface; at most `tolerance`
+  Metres bound;                  ///< no valid sample under the surface is farther from it; at most `tolerance`
                                  ///< plus, where heights are no binary fractions, a nanometre of rounding
 };
 
-/// An indexed triangle mesh over grid points.
+/// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.
 struct Mesh {
   GridRect region;                                      ///< the outermost sample positions answered
   std::vector<GridPoint> points;                        ///< each used by at least one triangle

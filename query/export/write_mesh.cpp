@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -30,6 +32,24 @@ const Format& format_of(const std::filesystem::path& file) {
                 fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj or .png", file.string()));
 }
 
+// A mesh may come from anywhere; the writers index by it.
+void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
+  const std::size_t points = mesh.points.size();
+  if (mesh.heights.size() != points) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("cannot write {}: the mesh has {} points and {} heights; each point needs one",
+                              file.string(), points, mesh.heights.size()));
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t id : mesh.triangles[i]) {
+      if (id < points) continue;
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("cannot write {}: triangle {} of the mesh names point {}; there are {}, counted from 0",
+                                file.string(), i, id, points));
+    }
+  }
+}
+
 }  // namespace
 
 void check_mesh_file(const std::filesystem::path& file) {
@@ -46,6 +66,7 @@ void check_mesh_file(const std::filesystem::path& file) {
 
 void write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
   const Format& format = format_of(file);
+  check_mesh(mesh, file);
   OutputFile out{file};
   format.write(mesh, description, out);
   out.commit();

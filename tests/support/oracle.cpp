@@ -261,7 +261,7 @@ class Judge {
     for (const double height : mesh_.heights) digits.see(height);
     for (std::int64_t y = region_.first.row; y <= region_.last.row; ++y) {
       for (std::int64_t x = region_.first.col; x <= region_.last.col; ++x) {
-        if ((seen_[sample(x, y)] & covered) != 0) digits.see(raster_.values[in_raster(x, y)]);
+        if (raster_.valid[in_raster(x, y)] != 0) digits.see(raster_.values[in_raster(x, y)]);
       }
     }
     digits_ = std::max(0, digits.digits());
@@ -334,7 +334,7 @@ class Judge {
       for (std::int64_t x = low; x <= high; ++x) {
         std::uint8_t& flags = seen_[sample(x, y)];
         flags |= in_mesh;
-        if ((flags & covered) == 0) continue;
+        if (raster_.valid[in_raster(x, y)] == 0) continue;
         Number off = number<Number>(raster_.values[in_raster(x, y)]) * area2;
         for (std::size_t i = 0; i < 3; ++i) off -= static_cast<Number>(triangle.edges[i].at(x, y)) * h[i];
         if (off < 0) off = -off;
