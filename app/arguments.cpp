@@ -29,7 +29,7 @@ Metres parse_tolerance(const std::string& word) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("--tolerance takes metres, 0 or more, or inf; \"{}\" is not that", word));
   }
-  return Metres{*value};
+  return Metres{std::abs(*value)};  // -0 is 0
 }
 
 Rectangle parse_bbox(const std::string& word) {
@@ -58,6 +58,10 @@ double parse_weight(const std::string& word) {
     throw Failure(Cause::invalid_argument, fmt::format("--void-weight takes a number, 0 or more; \"{}\" is not that", word));
   }
   return *value;
+}
+
+std::string is_named(const std::string& word) {
+  return word.empty() ? "a file name is expected, not an empty word" : "";
 }
 
 std::vector<std::string> join_numbers(std::vector<std::string> arguments) {

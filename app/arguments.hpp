@@ -15,6 +15,9 @@ namespace talus::app {
 /// A number of at least 0, finite.
 [[nodiscard]] double parse_weight(const std::string& word);
 
+/// What a word lacks to name a file; empty where it lacks nothing, as CLI11 wants it of a check.
+[[nodiscard]] std::string is_named(const std::string& word);
+
 /// The arguments with "--bbox -1,2,3,4" made one word, "--bbox=-1,2,3,4": a number is no option.
 [[nodiscard]] std::vector<std::string> join_numbers(std::vector<std::string> arguments);
 

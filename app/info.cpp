@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/report.hpp"
 #include "talus/database.hpp"
@@ -64,7 +65,8 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
 Table to_table(const Request& request, const Description& d, const StorageSummary& s) {
   const auto samples = static_cast<std::uint64_t>(d.extent.samples());
   Table table;
-  table.add("database", fmt::format("{}, {}, format {}", request.database, sized(s.file_bytes), s.format_version));
+  table.add("database", fmt::format("{}, format {}", request.database, s.format_version));
+  table.add("file size", file_size(s.file_bytes, d.extent));
   table.add("source", fmt::format("{}, {}", d.source_name, d.source_type));
   table.add("samples", fmt::format("{} x {}, {} of {} void", d.extent.cols(), d.extent.rows(), counted(d.void_samples),
                                    counted(samples)));
@@ -76,8 +78,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
   table.add("void weight", fmt::format("{}", d.void_weight));
-  table.add("pages", fmt::format("{}, {}, {:.2f} bits a sample", counted(s.pages), sized(s.page_bytes),
-                                 8.0 * static_cast<double>(s.page_bytes) / static_cast<double>(samples)));
+  table.add("pages", fmt::format("{}, {} of the file", counted(s.pages), sized(s.page_bytes)));
   for (const BandSummary& band : s.bands) {
     table.add("", fmt::format("spacing {:>6}: {:>9} pages, {}", band.spacing, counted(band.pages), sized(band.bytes)));
   }
@@ -99,7 +100,7 @@ Exit run(const Request& request) {
 void add_info(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("info", "Say what a database holds");
-  command->add_option("DATABASE", request->database, "Database file")->required();
+  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"

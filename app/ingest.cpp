@@ -12,6 +12,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/report.hpp"
+#include "ingest/raster_source.hpp"
 
 namespace talus::app {
 namespace {
@@ -35,10 +36,10 @@ IngestReport ingest_with_progress(const Request& request) {
 }
 
 Exit run(const Request& request) {
+  const int bands = RasterSource{request.input}.bands();
   const IngestReport report = ingest_with_progress(request);
   const Description& d = report.description;
   const auto samples = static_cast<std::uint64_t>(d.extent.samples());
-  const double bits = 8.0 * static_cast<double>(report.bytes) / static_cast<double>(samples);
   if (request.json) {
     print(Json{{"database", request.database},
                {"source", d.source_name},
@@ -54,13 +55,17 @@ Exit run(const Request& request) {
     return Exit::done;
   }
   Table table;
-  table.add("database", fmt::format("{}, {} in {} pages", request.database, sized(report.bytes), counted(report.pages)));
+  table.add("database", fmt::format("{}, {} pages", request.database, counted(report.pages)));
+  table.add("file size", file_size(report.bytes, d.extent));
+  if (bands > 1) table.add("band", fmt::format("band 1 of {} is taken", bands));
   table.add("samples", fmt::format("{} x {} of {}, {} void", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(d.void_samples)));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
-  table.add("size", fmt::format("{:.2f} bits a sample", bits));
   table.add("time", fmt::format("{}, {:.3g} million samples a second", timed(report.seconds),
                                 static_cast<double>(samples) / 1e6 / std::max(report.seconds, 1e-9)));
+  if (d.extent.cols() == 1 || d.extent.rows() == 1) {
+    table.add("note", "the raster is one sample wide or high: no answer will hold a triangle");
+  }
   print(table);
   return Exit::done;
 }
@@ -70,8 +75,8 @@ Exit run(const Request& request) {
 void add_ingest(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("ingest", "Make a database from an elevation raster");
-  command->add_option("INPUT", request->input, "Raster file")->required();
-  command->add_option("DATABASE", request->database, "Database file to make")->required();
+  command->add_option("INPUT", request->input, "Raster file")->required()->check(is_named);
+  command->add_option("DATABASE", request->database, "Database file to make")->required()->check(is_named);
   command->add_flag("--overwrite", request->overwrite, "Replace the database if it exists");
   command->add_option("--void-weight", request->void_weight,
                       "Metres of error per metre of ground where a triangle mixes data and void: a larger\n"

@@ -1,11 +1,15 @@
 #include "app/interrupt.hpp"
 
+#include <array>
+
 #include <unistd.h>
 
 #include "app/commands.hpp"
 
 namespace talus::app {
 namespace {
+
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
 volatile std::sig_atomic_t noted = 0;
 
@@ -14,8 +18,12 @@ void install(void (*handler)(int)) {
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;  // what is being read or written goes on until somebody looks
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : kSignals) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;  // started with nohup
+    sigaction(signal, &action, nullptr);
+  }
 }
 
 }  // namespace
@@ -33,8 +41,7 @@ bool interrupted() { return noted != 0; }
 HoldInterrupts::HoldInterrupts() {
   sigset_t held;
   sigemptyset(&held);
-  sigaddset(&held, SIGINT);
-  sigaddset(&held, SIGTERM);
+  for (const int signal : kSignals) sigaddset(&held, signal);
   pthread_sigmask(SIG_BLOCK, &held, &before_);
 }
 

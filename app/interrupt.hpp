@@ -1,11 +1,11 @@
 #pragma once
-// Ctrl-C: exit code 130, and nothing half-written stays.
+// Ctrl-C, or a terminal that is closed: exit code 130, and nothing half-written stays.
 
 #include <csignal>
 
 namespace talus::app {
 
-/// From now on SIGINT and SIGTERM end the program with exit code 130.
+/// From now on SIGINT, SIGTERM and SIGHUP (unless ignored, as under nohup) end the program with exit code 130.
 void exit_when_interrupted();
 /// From now on they are only noted, for work that unwinds on its own.
 void note_interrupts();

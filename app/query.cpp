@@ -1,7 +1,9 @@
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -9,8 +11,8 @@
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
-#include "query/export/writers.hpp"
 #include "app/report.hpp"
+#include "query/export/writers.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
@@ -22,11 +24,25 @@ struct Request {
   bool json = false;
 };
 
+void check_output(const std::string& output, const std::string& database) {
+  check_mesh_file(output);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(output, database, ignored)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--output {} is the database itself: the mesh would replace it; name another file", output));
+  }
+}
+
+std::string why_empty(GridRect region) {
+  if (region.cols() == 1 || region.rows() == 1) return "no triangle: the region is one sample wide or high";
+  return "no triangle: the region holds no three neighbouring samples of data";
+}
+
 Exit run(const Request& request) {
   const Metres tolerance = parse_tolerance(request.tolerance);
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
-  for (const std::string& output : request.outputs) check_mesh_file(output);
+  for (const std::string& output : request.outputs) check_output(output, request.database);
 
   const Snapshot now = Database::open(request.database).snapshot();
   const Description& description = now.description();
@@ -58,7 +74,8 @@ Exit run(const Request& request) {
   table.add("tolerance", metres(tolerance.value));
   table.add("bound", metres(answer.quadtree.bound.value));
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.points.size()), counted(mesh.triangles.size())));
-  table.add("read", fmt::format("{} pages, {}", counted(answer.cost.pages_read), sized(answer.cost.bytes_read)));
+  if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));
+  table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read), sized(answer.cost.bytes_read)));
   table.add("time", timed(seconds));
   for (const std::string& output : request.outputs) table.add("output", output);
   print(table);
@@ -70,13 +87,14 @@ Exit run(const Request& request) {
 void add_query(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
-  command->add_option("DATABASE", request->database, "Database file")->required();
+  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M REQUIRED")->required();
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
   command->add_option("-o,--output", request->outputs,
                       "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
                       "picture). Repeat it for more than one; an existing file is replaced")
       ->option_text("OUT ...")
+      ->check(is_named)
       ->type_size(1)
       ->expected(1)
       ->allow_extra_args(false)

@@ -49,6 +49,11 @@ std::string sized(std::uint64_t bytes) {
   return unit == 0 ? fmt::format("{} bytes", bytes) : fmt::format("{:.3g} {}", value, kUnits[unit]);
 }
 
+std::string file_size(std::uint64_t bytes, GridRect extent) {
+  return fmt::format("{}, {:.2f} bits a sample", sized(bytes),
+                     8.0 * static_cast<double>(bytes) / static_cast<double>(extent.samples()));
+}
+
 std::string timed(double seconds) {
   return seconds < 1 ? fmt::format("{:.3g} ms", seconds * 1000) : fmt::format("{:.3g} s", seconds);
 }

@@ -51,20 +51,30 @@ Json to_json(const VerifyReport& report, std::optional<Metres> tolerance) {
     json["triangles"] = report.triangles;
     json["covered_samples"] = report.covered_samples;
     json["uncovered_samples"] = report.uncovered_samples;
+    json["stray_samples"] = report.stray_samples;
   }
   return json;
 }
 
 Table to_table(const Request& request, const VerifyReport& report, std::optional<Metres> tolerance) {
   Table table;
-  table.add("checked", fmt::format("{} pages, {} samples{}", counted(report.pages), counted(report.samples),
-                                   request.against.empty() ? "" : " against " + request.against));
+  std::string checked = fmt::format("{} pages", counted(report.pages));
+  if (!request.against.empty()) {
+    checked += fmt::format(", {} samples against {}", counted(report.samples), request.against);
+  }
+  table.add("checked", checked);
   if (tolerance && report.true_error) {
     table.add("mesh", fmt::format("{} vertices, {} triangles", counted(report.vertices), counted(report.triangles)));
     table.add("tolerance", metres(tolerance->value));
-    table.add("true error", fmt::format("{}, over {} covered samples", metres(report.true_error->value),
-                                        counted(report.covered_samples)));
-    if (report.uncovered_samples > 0) table.add("uncovered", fmt::format("{} samples", counted(report.uncovered_samples)));
+    table.add("true error", fmt::format("{}, over all valid samples under the mesh", metres(report.true_error->value)));
+    table.add("covered", fmt::format("{} samples", counted(report.covered_samples)));
+    if (report.uncovered_samples > 0) {
+      table.add("uncovered", fmt::format("{} covered samples lie under no triangle", counted(report.uncovered_samples)));
+    }
+    if (report.stray_samples > 0) {
+      table.add("stray", fmt::format("{} valid samples, corners of no finest triangle of data, lie under no triangle",
+                                     counted(report.stray_samples)));
+    }
   }
   for (const std::string& finding : report.findings) table.add("finding", finding);
   if (report.finding_count > report.findings.size()) {
@@ -96,8 +106,10 @@ Exit run(const Request& request) {
 void add_verify(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("verify", "Check a database, and hold it against its raster");
-  command->add_option("DATABASE", request->database, "Database file")->required();
-  command->add_option("--against", request->against, "The raster the database was made from")->option_text("DEM");
+  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
+  command->add_option("--against", request->against, "The raster the database was made from")
+      ->option_text("DEM")
+      ->check(is_named);
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")->option_text("M");
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(

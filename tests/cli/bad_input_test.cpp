@@ -300,6 +300,28 @@ TEST_F(BadQuery, OutputsThatCannotBeWritten) {
   expect_refused({"query", "a.talus", "--tolerance=1", "-o", "folder.ply"}, {failed, usage}, {"folder.ply"});
 }
 
+TEST_F(BadQuery, AnOutputThatIsTheDatabase) {
+  std::filesystem::rename(folder / "a.talus", folder / "a.ply");
+  std::filesystem::create_hard_link(folder / "a.ply", folder / "b.obj");
+  for (const std::string output : {"a.ply", "./a.ply", "b.obj"}) {
+    expect_refused({"query", "a.ply", "--tolerance=1", "-o", output}, {usage}, {output, "database"});
+  }
+}
+
+TEST_F(BadQuery, NamesThatAreEmpty) {
+  make_raster("a.tif");
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"ingest", "", "out.talus"},
+                                             {"ingest", "a.tif", ""},
+                                             {"info", ""},
+                                             {"query", "", "--tolerance=1"},
+                                             {"query", "a.talus", "--tolerance=1", "-o", ""},
+                                             {"verify", ""},
+                                             {"verify", "a.talus", "--against", ""}}) {
+    expect_refused(arguments, {usage}, {"file name"});
+  }
+}
+
 TEST_F(BadQuery, DatabasesThatAreNone) {
   write_bytes(folder / "notes.talus", "the mountain is high\n");
   write_bytes(folder / "empty.talus", "");

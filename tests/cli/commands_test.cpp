@@ -116,6 +116,27 @@ TEST_F(Commands, QueryOfVoidsOnlyIsAnEmptyAnswer) {
   EXPECT_TRUE(read_mesh(folder / "out.ply", {0.5, -0.5, 1, -1}).triangles.empty());
 }
 
+TEST_F(Commands, AnAnswerWithoutTrianglesSaysWhy) {
+  raster = crop(raster, 0, 0, 1, 50);
+  make_raster("line.tif");
+  const Outcome ingest = talus({"ingest", "line.tif", "line.talus"});
+  EXPECT_THAT(ingest.out, ::testing::HasSubstr("one sample wide"));
+  const Outcome query = talus({"query", "line.talus", "--tolerance=-0"});
+  EXPECT_EQ(query.exit_code, done) << query.err;
+  EXPECT_THAT(query.out, ::testing::HasSubstr("no triangle"));
+  EXPECT_THAT(query.out, ::testing::Not(::testing::HasSubstr("-0 m")));
+}
+
+TEST_F(Commands, IngestAndInfoSayTheSameSize) {
+  const Outcome ingest = talus({"ingest", "a.tif", "a.talus", "--overwrite"}), info = talus({"info", "a.talus"});
+  const auto size = [](const Outcome& outcome) {
+    const std::size_t at = outcome.out.find_first_of("0123456789", outcome.out.find("file size"));
+    return outcome.out.substr(at, outcome.out.find('\n', at) - at);
+  };
+  EXPECT_EQ(size(ingest), size(info));
+  EXPECT_THAT(size(ingest), ::testing::HasSubstr("bits a sample"));
+}
+
 TEST_F(Commands, VerifyFindsASoundDatabaseSound) {
   for (const auto& more : std::vector<std::vector<std::string>>{{},
                                                                 {"--against", "a.tif"},

@@ -221,6 +221,19 @@ TEST_F(Command, AnIngestThatIsKilledKeepsTheOlderDatabase) {
   EXPECT_TRUE(bytes_of(folder / "a.talus") == before);
 }
 
+TEST_F(Command, AnIngestThatIsInterruptedLeavesNothing) {
+  raster = fit(fractal(1500, 1500, 6, 2000), SampleType::int16);
+  make_raster("big.tif");
+  for (const std::string signal : {"TERM", "HUP"}) {
+    RunOptions options;
+    options.folder = folder.path().string();
+    const std::string start = std::string(TALUS_PROGRAM) + " ingest big.tif big.talus & sleep 0.1; ";
+    const Outcome outcome = run_program({"sh", "-c", start + "kill -" + signal + " $!; wait $!"}, options);
+    EXPECT_EQ(outcome.exit_code, 130) << signal << outcome.err;
+    EXPECT_EQ(contents().size(), 1u) << signal;
+  }
+}
+
 /// Runs talus inside a file system of `kilobytes`, mounted at "small"; false where that may not be done.
 class FullDisk : public Command {
  protected:

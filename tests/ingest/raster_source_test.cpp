@@ -154,11 +154,14 @@ TEST_F(RasterSourceTest, MinusZeroSurvives) {
   Terrain terrain = counting();
   terrain.at(0, 0) = -0.0;
   for (const SampleType type : {SampleType::float32, SampleType::float64}) {
-    RasterOptions options;
-    options.type = type;
-    const RasterSource dem{write(terrain, options)};
-    EXPECT_TRUE(std::signbit(all_codes(dem).codes[0]));
-    EXPECT_TRUE(std::signbit(dem.read({{0, 0}, {0, 0}}).values[0]));
+    for (const double scale : {1.0, 0.5}) {
+      RasterOptions options;
+      options.type = type;
+      options.scale = scale;
+      const RasterSource dem{write(terrain, options)};
+      EXPECT_TRUE(std::signbit(all_codes(dem).codes[0]));
+      EXPECT_TRUE(std::signbit(dem.read({{0, 0}, {0, 0}}).values[0]));
+    }
   }
 }
 

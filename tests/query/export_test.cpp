@@ -116,6 +116,18 @@ TEST(Export, AFileThatCannotBeMadeLeavesNothing) {
   EXPECT_THAT(names_in(folder), ::testing::ElementsAre("folder.ply"));
 }
 
+TEST(Export, AMeshThatNamesWhatItLacksIsRefused) {
+  const TempFolder folder;
+  for (const char* name : {"mesh.ply", "mesh.obj", "mesh.png"}) {
+    Mesh without_height = square(), without_point = square();
+    without_height.heights.pop_back();
+    without_point.triangles.push_back({0, 1, 4});
+    EXPECT_EQ(cause_of_writing(without_height, folder / name), Cause::invalid_argument);
+    EXPECT_EQ(cause_of_writing(without_point, folder / name), Cause::invalid_argument);
+  }
+  EXPECT_TRUE(names_in(folder).empty());
+}
+
 TEST(Export, AFailureHalfwayKeepsTheOldFile) {
   const TempFolder folder;
   write_mesh(square(), georeferenced(), folder / "mesh.ply");
