@@ -133,7 +133,7 @@ using SampleReader = std::function<SampleWindow(GridRect)>;
 
 /// Writes a mesh; the ending of `file` says how: .ply (binary little endian, double x y z), .obj, .png (a
 /// picture: shaded relief with the triangles over it). Written beside `file`, then renamed.
-/// fails  invalid_argument: another ending; io, full
+/// fails  invalid_argument: another ending, or a mesh whose numbers do not fit; io, full
 void write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file);
 
 }  // namespace talus
