@@ -102,7 +102,7 @@ void add_query(CLI::App& program, Action& action) {
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"
-      "Answer a rectangle at a tolerance with a crack-free mesh: every valid sample under its surface of the rectangle lies\n"
+      "Answer a rectangle at a tolerance with a crack-free mesh: every valid sample of the rectangle under it lies\n"
       "within the tolerance of its surface.\n"
       "\n"
       "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"

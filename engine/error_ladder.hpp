@@ -41,7 +41,7 @@ extern const ErrorLadder error_ladder;
   assert(metres >= 0);
   const auto& ladder = detail::error_ladder;
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(static_cast<float>(metres));
-  std::size_t code = ladder.first_guess[bits >> 16];
+  std::size_t code = ladder.first_guess[bits >> 16 & 0x7fff];  // -0.0 is 0, too
   while (ladder.metres[code] < metres) ++code;
   while (code > 0 && ladder.metres[code - 1] >= metres) --code;
   return static_cast<ErrorCode>(code);

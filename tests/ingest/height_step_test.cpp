@@ -90,7 +90,8 @@ TEST(HeightStep, EveryStepRestoresEveryValueBitForBit) {
     for (int i = 0; i < 200; ++i) values.push_back(random.between(-999999999, 999999999) / 1000 / power);
     const Found found = find("Float64", values);
     for (std::size_t i = 0; i < values.size(); ++i) {
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(found.step.value(found.codes[i])), std::bit_cast<std::uint64_t>(values[i]));
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(found.step.value(found.codes[i])),
+                std::bit_cast<std::uint64_t>(values[i]));
       ASSERT_TRUE(!found.step.integer || found.codes[i] == std::nearbyint(found.codes[i]));
     }
     EXPECT_TRUE(found.step.integer || power > 1000) << "over " << power;

@@ -71,7 +71,8 @@ TEST(Pack, PagesCarryTheHeightsOfTheirSamplesAndTheErrorsOfTheirOwnVertices) {
           ASSERT_EQ(page.errors[i], kAlwaysSelected);
         } else if (page.is_implied(p, col, row)) {
           const auto& field = packed.field.input.field;
-          ASSERT_EQ(error_code(page.implied_error(p, col, row, field.distance, field.exact)), packed.errors[p]) << name_of(p);
+          ASSERT_EQ(error_code(page.implied_error(p, col, row, field.distance, field.exact)), packed.errors[p])
+              << name_of(p);
         } else {
           ASSERT_EQ(page.errors[i], packed.errors[p]) << name_of(p);
         }
@@ -88,7 +89,8 @@ TEST(Pack, ImpliedErrorsAreTheStoredOnesForFloatsToo) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
         const GridPoint p = page.grid.at(col, row);
         if (!page.is_own(p) || !page.is_implied(p, col, row)) continue;
-        ASSERT_EQ(error_code(page.implied_error(p, col, row, field.distance, field.exact)), packed.errors[p]) << name_of(p);
+        ASSERT_EQ(error_code(page.implied_error(p, col, row, field.distance, field.exact)), packed.errors[p])
+            << name_of(p);
       }
     }
   }
@@ -114,8 +116,10 @@ void expect_entry_holds(const Packed& packed, PageId id, const ChildEntry& entry
   EXPECT_LE(static_cast<double>(entry.lowest), lowest);
   EXPECT_GE(static_cast<double>(entry.highest), highest);
   if (data) {
-    EXPECT_GT(static_cast<double>(std::nextafter(entry.lowest, std::numeric_limits<float>::infinity())), lowest) << "too low";
-    EXPECT_LT(static_cast<double>(std::nextafter(entry.highest, -std::numeric_limits<float>::infinity())), highest) << "too high";
+    EXPECT_GT(static_cast<double>(std::nextafter(entry.lowest, std::numeric_limits<float>::infinity())), lowest)
+        << "too low";
+    EXPECT_LT(static_cast<double>(std::nextafter(entry.highest, -std::numeric_limits<float>::infinity())), highest)
+        << "too high";
     EXPECT_TRUE(entry.present);
   }
   if (entry.present) {

@@ -1,0 +1,154 @@
+// The header of a database: what was said is what is read, and nonsense is refused.
+
+#include "engine/manifest.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/page_layout.hpp"
+#include "talus/failure.hpp"
+
+namespace talus::support {
+namespace {
+
+using Json = nlohmann::json;
+
+Manifest example() {
+  Manifest m;
+  Description& d = m.description;
+  d.extent = {{0, 0}, {3600, 1800}};
+  d.mapping = {7.0000000000000012, 47, 1.0 / 3600, -1.0 / 3600};
+  d.crs_wkt = "GEOGCS[\"WGS 84\", \"quotes\" and Zürich]";
+  d.source_name = "höhe \\ \"x\".tif";
+  d.source_type = "Float32";
+  d.vertical_unit = "foot";
+  d.metres_per_unit = 0.3048;
+  d.step = {0.1, 10, -3.25, true};
+  d.minimum = -431.5;
+  d.maximum = 8848.86;
+  d.void_samples = 12345678901;
+  d.void_weight = 0.5;
+  m.bands = band_count(d.extent);
+  m.exact = false;
+  return m;
+}
+
+Json json_of(const Manifest& m) {
+  const auto bytes = encode(m);
+  return Json::parse(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+Manifest decode_text(const std::string& text) { return decode_manifest(std::as_bytes(std::span(text))); }
+
+/// Why a header with one value changed is refused; 0 if it is not.
+int refused(const char* pointer, const Json& value) {
+  Json json = json_of(example());
+  json.at(Json::json_pointer(pointer)) = value;
+  try {
+    static_cast<void>(decode_text(json.dump()));
+    return 0;
+  } catch (const Failure& failure) {
+    EXPECT_STRNE(failure.what(), "");
+    return static_cast<int>(failure.cause());
+  }
+}
+constexpr int kCorrupt = static_cast<int>(Cause::corrupt), kUnsupported = static_cast<int>(Cause::unsupported);
+
+TEST(Manifest, DecodeOfEncodeIsTheManifest) {
+  const Manifest m = example(), back = decode_manifest(encode(m));
+  const Description &d = m.description, &b = back.description;
+  EXPECT_EQ(back.bands, m.bands);
+  EXPECT_EQ(back.exact, m.exact);
+  EXPECT_EQ(b.extent, d.extent);
+  EXPECT_EQ(b.mapping, d.mapping);
+  EXPECT_EQ(b.crs_wkt, d.crs_wkt);
+  EXPECT_EQ(b.source_name, d.source_name);
+  EXPECT_EQ(b.source_type, d.source_type);
+  EXPECT_EQ(b.vertical_unit, d.vertical_unit);
+  EXPECT_EQ(b.metres_per_unit, d.metres_per_unit);
+  EXPECT_EQ(b.step, d.step);
+  EXPECT_EQ(b.minimum, d.minimum);
+  EXPECT_EQ(b.maximum, d.maximum);
+  EXPECT_EQ(b.void_samples, d.void_samples);
+  EXPECT_EQ(b.void_weight, d.void_weight);
+}
+
+TEST(Manifest, TheSameManifestIsTheSameBytes) { EXPECT_EQ(encode(example()), encode(example())); }
+
+TEST(Manifest, AnotherVersionIsUnsupported) {
+  EXPECT_EQ(refused("/talus", 2), kUnsupported);
+  EXPECT_EQ(refused("/talus", 0), kUnsupported);
+  EXPECT_EQ(refused("/talus", -1), kUnsupported);
+}
+
+TEST(Manifest, AnotherPageLayoutIsUnsupported) {
+  EXPECT_EQ(refused("/layout/band_levels", kBandLevels + 1), kUnsupported);
+  EXPECT_EQ(refused("/layout/page_side", 2 * kPageSide), kUnsupported);
+}
+
+TEST(Manifest, WhatIsNoHeaderIsCorrupt) {
+  for (const char* text :
+       {"", "{", "[]", "null", "7", "{}", "{\"talus\": 1}", "{\"talus\": \"one\"}", "\xff\xfe", "{\"talus\": null}"}) {
+    try {
+      static_cast<void>(decode_text(text));
+      ADD_FAILURE() << "took " << text;
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.cause(), Cause::corrupt) << text;
+    }
+  }
+  EXPECT_THROW(static_cast<void>(decode_text(std::string(100000, '['))), Failure);
+}
+
+TEST(Manifest, EveryTruncationIsRefused) {
+  const auto bytes = encode(example());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_THROW(static_cast<void>(decode_manifest(std::span(bytes).first(size))), Failure) << size << " bytes";
+  }
+}
+
+TEST(Manifest, EveryFieldIsNeeded) {
+  const Json whole = json_of(example());
+  for (const auto& [name, group] : whole.items()) {
+    Json json = whole;
+    json.erase(name);
+    EXPECT_THROW(static_cast<void>(decode_text(json.dump())), Failure) << name;
+  }
+}
+
+TEST(Manifest, ImpossibleValuesAreCorrupt) {
+  EXPECT_EQ(refused("/extent", Json({0, 0, -1, 5})), kCorrupt);
+  EXPECT_EQ(refused("/extent", Json({0, 0, 5})), kCorrupt);
+  EXPECT_EQ(refused("/extent", Json({0, 0, kMaxExtent, 5})), kCorrupt);
+  EXPECT_EQ(refused("/extent", Json({-2147483647 - 1, 0, 2147483647, 5})), kCorrupt);
+  EXPECT_EQ(refused("/extent", "wide"), kCorrupt);
+  EXPECT_EQ(refused("/layout/bands", 1), kCorrupt);
+  EXPECT_EQ(refused("/layout/bands", 1000000), kCorrupt);
+  EXPECT_NE(refused("/layout/page_side", "large"), 0);
+  EXPECT_EQ(refused("/mapping/dx", 0), kCorrupt);
+  EXPECT_EQ(refused("/mapping/dx", -1), kCorrupt);
+  EXPECT_EQ(refused("/mapping/dy", 1), kCorrupt);
+  EXPECT_EQ(refused("/step/scale", 0), kCorrupt);
+  EXPECT_EQ(refused("/step/divisor", 0), kCorrupt);
+  EXPECT_EQ(refused("/step/divisor", -10), kCorrupt);
+  EXPECT_EQ(refused("/vertical/metres_per_unit", 0), kCorrupt);
+  EXPECT_EQ(refused("/errors/void_weight", -1), kCorrupt);
+  EXPECT_EQ(refused("/heights/minimum", "low"), kCorrupt);
+  EXPECT_EQ(refused("/heights/minimum", nullptr), kCorrupt);
+}
+
+TEST(Manifest, NumbersThatDoNotFitTheirTypeAreRefused) {
+  const std::int64_t wraps = std::int64_t{1} << 32;
+  EXPECT_NE(refused("/talus", wraps + kFormatVersion), 0) << "version 1 only after it wraps";
+  EXPECT_NE(refused("/talus", 1e300), 0);
+  EXPECT_NE(refused("/talus", 1.5), 0);
+  EXPECT_NE(refused("/extent", Json({wraps, wraps, wraps + 3600, wraps + 1800})), 0);
+  EXPECT_NE(refused("/extent", Json({0, 0, 3600.5, 1800})), 0);
+  EXPECT_NE(refused("/layout/bands", wraps + band_count(example().description.extent)), 0);
+  EXPECT_NE(refused("/heights/void_samples", -1), 0);
+}
+
+}  // namespace
+}  // namespace talus::support

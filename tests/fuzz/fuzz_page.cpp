@@ -1,0 +1,71 @@
+// Arbitrary bytes as a page: refused as corrupt, or a page that encodes to the same page again.
+//
+// The first byte chooses which page of which database the rest claims to be.
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "engine/page_codec.hpp"
+#include "talus/failure.hpp"
+
+namespace {
+
+using namespace talus;
+
+struct Place {
+  PageId id;
+  GridRect extent;
+};
+constexpr Place kPlaces[] = {
+    {{0, 0, 0}, {{0, 0}, {127, 127}}},  {{0, 0, 0}, {{0, 0}, {0, 0}}},         {{0, 1, 2}, {{0, 0}, {140, 299}}},
+    {{1, 0, 0}, {{0, 0}, {999, 700}}},  {{0, -1, -1}, {{-40, -3}, {50, 60}}},  {{1, -1, 0}, {{-900, 16}, {80, 90}}},
+    {{2, 0, 0}, {{0, 0}, {20000, 10}}}, {{1, 0, 0}, {{200, 200}, {203, 203}}},  // no sample at all
+};
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+bool is_same(const Page& a, const Page& b) {
+  if (a.errors != b.errors || a.valid != b.valid || a.covers != b.covers || a.heights.size() != b.heights.size() ||
+      a.children.size() != b.children.size() || a.implied_midpoints != b.implied_midpoints) {
+    return false;
+  }
+  const auto bits = [](float f) { return std::bit_cast<std::uint32_t>(f); };  // a table may hold NaN
+  for (std::size_t i = 0; i < a.children.size(); ++i) {
+    const ChildEntry &x = a.children[i], &y = b.children[i];
+    if (x.present != y.present || x.largest != y.largest || bits(x.lowest) != bits(y.lowest) ||
+        bits(x.highest) != bits(y.highest)) {
+      return false;
+    }
+  }
+  for (std::size_t i = 0; i < a.heights.size(); ++i) {
+    const bool needed = a.valid.empty() || a.valid[i] != 0 || a.covers[i] != 0;
+    if (needed && std::bit_cast<std::uint64_t>(a.heights[i]) != std::bit_cast<std::uint64_t>(b.heights[i]))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const auto& [id, extent] = kPlaces[data[0] % std::size(kPlaces)];
+  const int bands = band_count(extent);
+  const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
+  PageDecoder decoder, again;
+  try {
+    const Page& page = decoder.decode(id, extent, bands, bytes);
+    for (const double h : page.heights) require(std::isfinite(h));
+    for (const ErrorCode e : page.errors) require(e <= kAlwaysSelected);
+    require(is_same(page, again.decode(id, extent, bands, encode(page))));
+  } catch (const Failure& failure) {
+    require(failure.cause() == Cause::corrupt);
+    static_cast<void>(again);
+  }
+  return 0;
+}

@@ -1,0 +1,396 @@
+// Pages in a file: what went in comes out, in order, and damage is noticed.
+
+#include "storage/page_store.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "storage/checksum.hpp"
+#include "talus/failure.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/raster_file.hpp"
+
+namespace talus::support {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::byte>;
+using Pages = std::map<PageKey, Bytes>;
+
+Bytes random_bytes(Random& random, std::size_t size) {
+  Bytes bytes(size);
+  for (std::byte& b : bytes) b = static_cast<std::byte>(random.next() & 0xff);
+  return bytes;
+}
+
+Bytes copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+
+void write(const fs::path& file, const Pages& pages) {
+  PageWriter writer(file);
+  for (const auto& [key, bytes] : pages) writer.put(key, bytes);
+  const std::uint64_t bytes = writer.finish();
+  EXPECT_EQ(bytes, fs::file_size(file));
+}
+
+Pages random_pages(Random& random, int count, int most_bytes) {
+  Pages pages;
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t position =
+        random.chance(0.5) ? random.next() : static_cast<std::uint64_t>(random.between(0, 300));
+    const auto size =
+        static_cast<std::size_t>(random.chance(0.2) ? random.between(0, 10) : random.between(0, most_bytes));
+    pages[{random.between(kHeaderTable, 31), position}] = random_bytes(random, size);
+  }
+  return pages;
+}
+
+void expect_holds(const ReadTxn& txn, const Pages& pages) {
+  for (const auto& [key, bytes] : pages) {
+    const auto found = txn.find(key);
+    ASSERT_TRUE(found.has_value()) << "table " << key.table << ", position " << key.position;
+    EXPECT_EQ(copy(*found), bytes);
+  }
+}
+
+Cause cause_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const Failure& failure) {
+    EXPECT_STRNE(failure.what(), "");
+    return failure.cause();
+  }
+  ADD_FAILURE() << "did not fail";
+  return Cause{};
+}
+
+// ---- what goes in comes out ------------------------------------------------------------------------
+
+TEST(PageStore, AgreesWithAMap) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const TempFolder folder;
+    const Pages pages = random_pages(random, 300, seed == 1 ? 100000 : 6000);
+    write(folder / "a.talus", pages);
+    const ReadTxn txn(PageStore::open(folder / "a.talus"));
+    expect_holds(txn, pages);
+    for (int table = kHeaderTable; table < 32; ++table) {
+      std::vector<std::uint64_t> expected, found;
+      std::uint64_t bytes = 0;
+      for (const auto& [key, page] : pages) {
+        if (key.table != table) continue;
+        expected.push_back(key.position);
+        bytes += page.size() + kChecksumBytes;
+      }
+      txn.for_each(table, [&](std::uint64_t position) { found.push_back(position); });
+      EXPECT_EQ(found, expected) << "table " << table << ": order, or what is there";
+      EXPECT_EQ(txn.summary(table).pages, expected.size());
+      EXPECT_EQ(txn.summary(table).bytes, bytes);
+    }
+    EXPECT_EQ(txn.file_bytes(), fs::file_size(folder / "a.talus"));
+    for (int i = 0; i < 200; ++i) {
+      const PageKey key{random.between(kHeaderTable, 31), random.next()};
+      EXPECT_EQ(txn.find(key).has_value(), pages.contains(key));
+    }
+    EXPECT_EQ(check_structure(folder / "a.talus"), std::vector<std::string>{});
+  }
+}
+
+TEST(PageStore, TakesPositionsOutOfOrder) {
+  const TempFolder folder;
+  Pages pages;
+  Random random(9);
+  {
+    PageWriter writer(folder / "a.talus");
+    for (const std::uint64_t position : {7u, 3u, 9u, 1u, 8u, 0u}) {
+      pages[{0, position}] = random_bytes(random, 3000);
+      writer.put({0, position}, pages[{0, position}]);
+    }
+    writer.finish();
+  }
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  expect_holds(txn, pages);
+  std::vector<std::uint64_t> order;
+  txn.for_each(0, [&](std::uint64_t position) { order.push_back(position); });
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+}
+
+TEST(PageStore, PositionsAreOrderedAsNumbersNotAsLittleEndianBytes) {
+  const TempFolder folder;
+  write(folder / "a.talus",
+        {{{4, 0x01'00}, {}}, {{4, 0x00'ff}, {}}, {{4, 0xff'00'00'00'00'00'00'00u}, {}}, {{4, 0x02'00}, {}}});
+  std::vector<std::uint64_t> order;
+  ReadTxn(PageStore::open(folder / "a.talus")).for_each(4, [&](std::uint64_t position) { order.push_back(position); });
+  EXPECT_EQ(order, (std::vector<std::uint64_t>{0xff, 0x100, 0x200, 0xff00000000000000u}));
+}
+
+TEST(PageStore, GrowsBeyondItsFirstMap) {
+  const TempFolder folder;
+  Random random(1);
+  const Bytes page = random_bytes(random, 1 << 20);
+  std::uint64_t bytes = 0;
+  {
+    PageWriter writer(folder / "a.talus");
+    for (std::uint64_t i = 0; i < 80; ++i) writer.put({0, i}, page);
+    bytes = writer.finish();
+  }
+  EXPECT_GT(bytes, std::uint64_t{80} << 20);
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  EXPECT_EQ(txn.summary(0).pages, 80u);
+  for (const std::uint64_t i : {0u, 15u, 16u, 63u, 79u}) EXPECT_EQ(copy(*txn.find({0, i})), page);
+  EXPECT_EQ(check_structure(folder / "a.talus"), std::vector<std::string>{});
+}
+
+TEST(PageStore, AnEmptyFileOfPagesOpens) {
+  const TempFolder folder;
+  write(folder / "a.talus", {});
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  EXPECT_FALSE(txn.find({0, 0}).has_value());
+  EXPECT_EQ(txn.summary(0).pages, 0u);
+}
+
+TEST(PageStore, OpeningTheSameFileTwiceSharesOneEnvironment) {
+  const TempFolder folder;
+  Random random(2);
+  const Pages pages = random_pages(random, 50, 2000);
+  write(folder / "a.talus", pages);
+  fs::create_symlink(folder / "a.talus", folder / "b.talus");
+  const PageStore one = PageStore::open(folder / "a.talus"), two = PageStore::open(folder / "b.talus");
+  EXPECT_EQ(two.file(), one.file()) << "the second opening is the first one's environment";
+  const ReadTxn first(one), second(two);
+  const PageKey key = pages.begin()->first;
+  EXPECT_EQ(first.find(key)->data(), second.find(key)->data()) << "one map";
+  expect_holds(second, pages);
+}
+
+TEST(PageStore, AViewOutlivesTheStoreItCameFrom) {
+  const TempFolder folder;
+  Random random(3);
+  const Pages pages = random_pages(random, 20, 2000);
+  write(folder / "a.talus", pages);
+  ReadTxn txn(PageStore::open(folder / "a.talus"));
+  const ReadTxn moved(std::move(txn));
+  expect_holds(moved, pages);
+}
+
+TEST(PageStore, FourThreadsReadAtOnce) {
+  const TempFolder folder;
+  Random random(4);
+  const Pages pages = random_pages(random, 200, 3000);
+  write(folder / "a.talus", pages);
+  const PageStore store = PageStore::open(folder / "a.talus");
+  const ReadTxn shared(store);
+  std::vector<std::size_t> wrong(4);
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    threads.emplace_back([&, i] {
+      const ReadTxn own(PageStore::open(folder / "a.talus"));
+      for (int round = 0; round < 20; ++round) {
+        for (const auto& [key, bytes] : pages) {
+          wrong[i] += copy(*own.find(key)) != bytes || copy(*shared.find(key)) != bytes ? 1 : 0;
+        }
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, std::vector<std::size_t>(4));
+}
+
+// ---- damage ----------------------------------------------------------------------------------------
+
+Bytes read_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  return copy(std::as_bytes(std::span(text)));
+}
+void write_file(const fs::path& file, std::span<const std::byte> bytes) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// A file with one page of known content, and where that lies in it.
+struct Known {
+  TempFolder folder;
+  Bytes content, bytes;
+  std::size_t at = 0;
+  explicit Known(std::size_t size) {
+    Random random(6);
+    content = random_bytes(random, size);
+    write(folder / "a.talus", {{{2, 5}, content}, {{2, 6}, random_bytes(random, 50)}});
+    bytes = read_file(folder / "a.talus");
+    const auto found = std::search(bytes.begin(), bytes.end(), content.begin(), content.end());
+    EXPECT_NE(found, bytes.end());
+    at = static_cast<std::size_t>(found - bytes.begin());
+  }
+};
+
+TEST(PageStore, ADamagedPageIsCorruptAndItsNeighbourIsNot) {
+  for (const std::size_t size : {100u, 9000u}) {
+    const Known known(size);
+    for (const std::size_t at : {known.at, known.at + size - 1, known.at - 1, known.at - kChecksumBytes}) {
+      Bytes bytes = known.bytes;
+      bytes[at] ^= std::byte{0x10};
+      const fs::path file = known.folder / ("b" + std::to_string(at));
+      write_file(file, bytes);
+      const ReadTxn txn(PageStore::open(file));
+      EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({2, 5})); }), Cause::corrupt) << at - known.at;
+      EXPECT_TRUE(txn.find({2, 6}).has_value());
+    }
+  }
+}
+
+TEST(PageStore, APageStoredUnderAnotherKeyIsCorrupt) {
+  // The key stands before the value: position 5 becomes 4, which keeps the order.
+  const Known known(100);
+  Bytes bytes = known.bytes;
+  const std::size_t last_of_key = known.at - kChecksumBytes - 1;
+  ASSERT_EQ(bytes[last_of_key], std::byte{5});
+  bytes[last_of_key] = std::byte{4};
+  write_file(known.folder / "b.talus", bytes);
+  const ReadTxn txn(PageStore::open(known.folder / "b.talus"));
+  EXPECT_FALSE(txn.find({2, 5}).has_value());
+  EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({2, 4})); }), Cause::corrupt);
+}
+
+TEST(PageStore, ChecksumsDifferByTableAndPosition) {
+  const Bytes content(10, std::byte{1});
+  EXPECT_EQ(page_checksum({2, 5}, content), page_checksum({2, 5}, content));
+  EXPECT_NE(page_checksum({2, 5}, content), page_checksum({3, 5}, content));
+  EXPECT_NE(page_checksum({2, 5}, content), page_checksum({2, 6}, content));
+  EXPECT_NE(page_checksum({kHeaderTable, 0}, content), page_checksum({0, 0}, content));
+}
+
+TEST(PageStore, AMissingFileIsNotFoundAndWhatIsNoDatabaseIsCorrupt) {
+  const TempFolder folder;
+  const auto open = [](const fs::path& file) { return cause_of([&] { static_cast<void>(PageStore::open(file)); }); };
+  EXPECT_EQ(open(folder / "none"), Cause::not_found);
+  EXPECT_EQ(open(folder.path()), Cause::corrupt);
+  write_file(folder / "empty", {});
+  EXPECT_EQ(open(folder / "empty"), Cause::corrupt);
+  const std::string text(20000, 'x');
+  write_file(folder / "text", std::as_bytes(std::span(text)));
+  EXPECT_EQ(open(folder / "text"), Cause::corrupt);
+}
+
+/// A small tree with a branch page, large values and several tables.
+Bytes whole_file(const TempFolder& folder) {
+  Random random(8);
+  Pages pages;
+  for (std::uint64_t i = 0; i < 60; ++i) pages[{0, i}] = random_bytes(random, 300);
+  for (std::uint64_t i = 0; i < 5; ++i) pages[{1, i}] = random_bytes(random, 9000);
+  pages[{kHeaderTable, 0}] = random_bytes(random, 700);
+  write(folder / "whole.talus", pages);
+  return read_file(folder / "whole.talus");
+}
+
+TEST(Structure, EveryTruncationIsCorrupt) {
+  const TempFolder folder;
+  const Bytes bytes = whole_file(folder);
+  for (std::size_t size = 0; size < bytes.size(); size += size < 300 ? 7 : 1777) {
+    write_file(folder / "cut.talus", std::span(bytes).first(size));
+    EXPECT_FALSE(check_structure(folder / "cut.talus").empty()) << size;
+    EXPECT_EQ(cause_of([&] { static_cast<void>(PageStore::open(folder / "cut.talus")); }), Cause::corrupt) << size;
+  }
+  write_file(folder / "cut.talus", std::span(bytes).first(bytes.size() - 1));
+  EXPECT_FALSE(check_structure(folder / "cut.talus").empty());
+}
+
+/// The file with a 16-, 32- or 64-bit number changed at a place of a page.
+template <class Int>
+Bytes changed(Bytes bytes, std::size_t page, std::size_t at, Int value) {
+  std::memcpy(&bytes[page * 4096 + at], &value, sizeof value);
+  return bytes;
+}
+
+TEST(Structure, ManglingATreePageIsFound) {
+  const TempFolder folder;
+  const Bytes bytes = whole_file(folder);
+  const auto flags_of = [&](std::size_t page) {
+    std::uint16_t flags = 0;
+    std::memcpy(&flags, &bytes[page * 4096 + 10], sizeof flags);
+    return flags;
+  };
+  const auto refused = [&](const Bytes& damaged) {
+    write_file(folder / "b.talus", damaged);
+    const bool found = !check_structure(folder / "b.talus").empty();
+    if (found) {
+      EXPECT_EQ(cause_of([&] { static_cast<void>(PageStore::open(folder / "b.talus")); }), Cause::corrupt);
+    }
+    return found;
+  };
+  int leaves = 0, branches = 0;
+  for (std::size_t page = 2; page < bytes.size() / 4096; ++page) {
+    const bool leaf = flags_of(page) == 2, branch = flags_of(page) == 1;
+    if (!leaf && !branch) continue;
+    std::uint64_t number = 0;
+    std::memcpy(&number, &bytes[page * 4096], sizeof number);
+    if (number != page) continue;  // inside a large value
+    // Pages of older transactions are left over and free: what the tree does not reach, nobody minds.
+    if (!refused(changed(bytes, page, 0, number + 1))) continue;
+    (leaf ? leaves : branches) += 1;
+    EXPECT_TRUE(refused(changed(bytes, page, 10, static_cast<std::uint16_t>(leaf ? 1 : 2)))) << "another kind of page";
+    EXPECT_TRUE(refused(changed(bytes, page, 12, std::uint16_t{60000}))) << "filled beyond its end";
+    EXPECT_TRUE(refused(changed(bytes, page, 14, std::uint16_t{5000}))) << "nodes from beyond its end";
+    EXPECT_TRUE(refused(changed(bytes, page, 16, std::uint16_t{4094}))) << "a node that hangs out";
+    EXPECT_TRUE(refused(changed(bytes, page, 16, std::uint16_t{0}))) << "a node in the header";
+    EXPECT_TRUE(refused(changed(bytes, page, 12, std::uint16_t{16}))) << "no node at all";
+    std::uint16_t node = 0;
+    std::memcpy(&node, &bytes[page * 4096 + 16], sizeof node);
+    EXPECT_TRUE(refused(changed(bytes, page, node + 6u, std::uint16_t{65000}))) << "a key beyond the page";
+    if (branch) {
+      EXPECT_TRUE(refused(changed(bytes, page, node, std::uint32_t{1}))) << "a pointer to a header";
+      EXPECT_TRUE(refused(changed(bytes, page, node, std::uint32_t{1000000}))) << "a pointer beyond the file";
+      EXPECT_TRUE(refused(changed(bytes, page, node, static_cast<std::uint32_t>(page)))) << "a pointer to itself";
+      EXPECT_TRUE(refused(changed(bytes, page, 12, std::uint16_t{18}))) << "a branch with one arm";
+      std::uint16_t second = 0;
+      std::memcpy(&second, &bytes[page * 4096 + 18], sizeof second);
+      std::uint32_t arm = 0;
+      std::memcpy(&arm, &bytes[page * 4096 + node], sizeof arm);
+      EXPECT_TRUE(refused(changed(bytes, page, second, arm))) << "two arms with one hand";
+    } else {
+      EXPECT_TRUE(refused(changed(bytes, page, node + 4u, std::uint16_t{4}))) << "a node with duplicates";
+      EXPECT_TRUE(refused(changed(bytes, page, node + 4u, std::uint16_t{3}))) << "large and a table at once";
+      EXPECT_TRUE(refused(changed(bytes, page, node, std::uint32_t{0xffffffff}))) << "a value beyond everything";
+    }
+  }
+  EXPECT_GT(leaves, 3);
+  EXPECT_GT(branches, 0);
+}
+
+TEST(Structure, DamagedHeadersAreFound) {
+  const TempFolder folder;
+  const Bytes bytes = whole_file(folder);
+  const auto refused = [&](const Bytes& damaged) {
+    write_file(folder / "b.talus", damaged);
+    EXPECT_EQ(cause_of([&] { static_cast<void>(PageStore::open(folder / "b.talus")); }), Cause::corrupt);
+    return !check_structure(folder / "b.talus").empty();
+  };
+  for (const std::size_t page : {0u, 1u}) {
+    EXPECT_TRUE(refused(changed(bytes, page, 16, std::uint32_t{7}))) << "magic";
+    EXPECT_TRUE(refused(changed(bytes, page, 20, std::uint32_t{9}))) << "version";
+    EXPECT_TRUE(refused(changed(bytes, page, 40, std::uint32_t{100}))) << "page size";
+    EXPECT_TRUE(refused(changed(bytes, page, 10, std::uint16_t{2}))) << "no header";
+  }
+}
+
+TEST(PageWriter, LeavesNothingThatOpensIfItDoesNotFinish) {
+  const TempFolder folder;
+  {
+    PageWriter writer(folder / "a.talus");
+    writer.put({0, 1}, Bytes(100));
+  }
+  if (fs::exists(folder / "a.talus")) {
+    EXPECT_FALSE(ReadTxn(PageStore::open(folder / "a.talus")).find({0, 1}).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace talus::support
