@@ -55,7 +55,8 @@ Rectangle parse_bbox(const std::string& word) {
 double parse_weight(const std::string& word) {
   const std::optional<double> value = number(word);
   if (!value || *value < 0 || !std::isfinite(*value)) {
-    throw Failure(Cause::invalid_argument, fmt::format("--void-weight takes a number, 0 or more; \"{}\" is not that", word));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--void-weight takes a number, 0 or more; \"{}\" is not that", word));
   }
   return *value;
 }

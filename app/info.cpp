@@ -36,30 +36,28 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
   for (const BandSummary& band : s.bands) {
     bands.push_back({{"spacing", band.spacing}, {"pages", band.pages}, {"bytes", band.bytes}});
   }
-  return Json{{"database", request.database},
-              {"format_version", s.format_version},
-              {"source", d.source_name},
-              {"type", d.source_type},
-              {"cols", d.extent.cols()},
-              {"rows", d.extent.rows()},
-              {"region", bounds(d, d.extent)},
-              {"cell", {d.mapping.dx, -d.mapping.dy}},
-              {"crs", d.crs_wkt},
-              {"vertical_unit", d.vertical_unit},
-              {"metres_per_unit", d.metres_per_unit},
-              {"height_step",
-               {{"scale", d.step.scale},
-                {"divisor", d.step.divisor},
-                {"offset", d.step.offset},
-                {"integer", d.step.integer}}},
-              {"minimum", d.minimum},
-              {"maximum", d.maximum},
-              {"void_samples", d.void_samples},
-              {"void_weight", d.void_weight},
-              {"file_bytes", s.file_bytes},
-              {"pages", s.pages},
-              {"page_bytes", s.page_bytes},
-              {"bands", bands}};
+  return Json{
+      {"database", request.database},
+      {"format_version", s.format_version},
+      {"source", d.source_name},
+      {"type", d.source_type},
+      {"cols", d.extent.cols()},
+      {"rows", d.extent.rows()},
+      {"region", bounds(d, d.extent)},
+      {"cell", {d.mapping.dx, -d.mapping.dy}},
+      {"crs", d.crs_wkt},
+      {"vertical_unit", d.vertical_unit},
+      {"metres_per_unit", d.metres_per_unit},
+      {"height_step",
+       {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
+      {"minimum", d.minimum},
+      {"maximum", d.maximum},
+      {"void_samples", d.void_samples},
+      {"void_weight", d.void_weight},
+      {"file_bytes", s.file_bytes},
+      {"pages", s.pages},
+      {"page_bytes", s.page_bytes},
+      {"bands", bands}};
 }
 
 Table to_table(const Request& request, const Description& d, const StorageSummary& s) {

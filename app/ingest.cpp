@@ -78,9 +78,10 @@ void add_ingest(CLI::App& program, Action& action) {
   command->add_option("INPUT", request->input, "Raster file")->required()->check(is_named);
   command->add_option("DATABASE", request->database, "Database file to make")->required()->check(is_named);
   command->add_flag("--overwrite", request->overwrite, "Replace the database if it exists");
-  command->add_option("--void-weight", request->void_weight,
-                      "Metres of error per metre of ground where a triangle mixes data and void: a larger\n"
-                      "weight draws the outline of the data more finely")
+  command
+      ->add_option("--void-weight", request->void_weight,
+                   "Metres of error per metre of ground where a triangle mixes data and void: a larger\n"
+                   "weight draws the outline of the data more finely")
       ->option_text("W [1]");
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(

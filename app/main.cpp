@@ -32,7 +32,8 @@ Exit exit_for(Cause cause) {
 
 // One line, whatever a file name holds.
 Exit complain(std::string sentence, Exit code) {
-  std::replace_if(sentence.begin(), sentence.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+  std::replace_if(
+      sentence.begin(), sentence.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
   fmt::print(stderr, "talus: {}\n", sentence);
   return code;
 }

@@ -28,8 +28,9 @@ void check_output(const std::string& output, const std::string& database) {
   check_mesh_file(output);
   std::error_code ignored;
   if (std::filesystem::equivalent(output, database, ignored)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("--output {} is the database itself: the mesh would replace it; name another file", output));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("--output {} is the database itself: the mesh would replace it; name another file", output));
   }
 }
 
@@ -73,9 +74,11 @@ Exit run(const Request& request) {
   table.add("region", bounds_text(description, mesh.region));
   table.add("tolerance", metres(tolerance.value));
   table.add("bound", metres(answer.quadtree.bound.value));
-  table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.points.size()), counted(mesh.triangles.size())));
+  table.add("mesh",
+            fmt::format("{} vertices, {} triangles", counted(mesh.points.size()), counted(mesh.triangles.size())));
   if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));
-  table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read), sized(answer.cost.bytes_read)));
+  table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
+                                sized(answer.cost.bytes_read)));
   table.add("time", timed(seconds));
   for (const std::string& output : request.outputs) table.add("output", output);
   print(table);
@@ -88,11 +91,14 @@ void add_query(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
   command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
-  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M REQUIRED")->required();
+  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")
+      ->option_text("M REQUIRED")
+      ->required();
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
-  command->add_option("-o,--output", request->outputs,
-                      "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
-                      "picture). Repeat it for more than one; an existing file is replaced")
+  command
+      ->add_option("-o,--output", request->outputs,
+                   "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
+                   "picture). Repeat it for more than one; an existing file is replaced")
       ->option_text("OUT ...")
       ->check(is_named)
       ->type_size(1)

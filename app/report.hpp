@@ -28,12 +28,12 @@ class Table {
 void print(const Json& object);
 void print(const Table& table);
 
-[[nodiscard]] std::string counted(std::uint64_t number);                ///< 1234567 as 1,234,567
-[[nodiscard]] std::string sized(std::uint64_t bytes);                   ///< 12.3 MB
+[[nodiscard]] std::string counted(std::uint64_t number);                    ///< 1234567 as 1,234,567
+[[nodiscard]] std::string sized(std::uint64_t bytes);                       ///< 12.3 MB
 [[nodiscard]] std::string file_size(std::uint64_t bytes, GridRect extent);  ///< 12.3 MB, 9.87 bits a sample
-[[nodiscard]] std::string timed(double seconds);                        ///< 4.3 ms, 2.1 s
-[[nodiscard]] std::string metres(double value);                         ///< 0.5 m, infinite
-[[nodiscard]] std::string rounded(double value);                        ///< seven digits, for people
+[[nodiscard]] std::string timed(double seconds);                            ///< 4.3 ms, 2.1 s
+[[nodiscard]] std::string metres(double value);                             ///< 0.5 m, infinite
+[[nodiscard]] std::string rounded(double value);                            ///< seven digits, for people
 
 /// [xmin, ymin, xmax, ymax] of the outermost sample positions.
 [[nodiscard]] Json bounds(const Description& description, GridRect region);

@@ -24,9 +24,10 @@ VerifyReport check(const Request& request, std::optional<Metres> tolerance) {
   const Raster raster{request.against};
   const GridRect ours = now.description().extent, theirs = raster.description().extent;
   if (ours != theirs) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
-                              request.database, ours.cols(), ours.rows(), request.against, theirs.cols(), theirs.rows()));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
+                    request.database, ours.cols(), ours.rows(), request.against, theirs.cols(), theirs.rows()));
   }
   const SampleReader truth = [&](GridRect part) { return raster.read(part); };
   return tolerance ? verify(now, truth, *tolerance) : verify(now, truth);
@@ -69,7 +70,8 @@ Table to_table(const Request& request, const VerifyReport& report, std::optional
     table.add("true error", fmt::format("{}, over all valid samples under the mesh", metres(report.true_error->value)));
     table.add("covered", fmt::format("{} samples", counted(report.covered_samples)));
     if (report.uncovered_samples > 0) {
-      table.add("uncovered", fmt::format("{} covered samples lie under no triangle", counted(report.uncovered_samples)));
+      table.add("uncovered",
+                fmt::format("{} covered samples lie under no triangle", counted(report.uncovered_samples)));
     }
     if (report.stray_samples > 0) {
       table.add("stray", fmt::format("{} valid samples, corners of no finest triangle of data, lie under no triangle",
@@ -110,7 +112,8 @@ void add_verify(CLI::App& program, Action& action) {
   command->add_option("--against", request->against, "The raster the database was made from")
       ->option_text("DEM")
       ->check(is_named);
-  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")->option_text("M");
+  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")
+      ->option_text("M");
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"

@@ -1,8 +1,8 @@
 // How fast are the pure parts: errors, saturation, selection, triangulation, the page codec?
 
-#include <benchmark/benchmark.h>
-
 #include <cstring>
+
+#include <benchmark/benchmark.h>
 
 #include "bench/terrain.hpp"
 #include "engine/page_codec.hpp"
@@ -16,7 +16,8 @@ struct Ground {
   explicit Ground(int side, double step = 1) : heights(bench::mountains(side)) {
     for (double& h : heights) h = h * step;
     extent = {{0, 0}, {side - 1, side - 1}};
-    input.field = {extent, heights, {}, {}, interpolation_is_exact(heights, root_side(extent)), are_whole_numbers(heights)};
+    input.field = {
+        extent, heights, {}, {}, interpolation_is_exact(heights, root_side(extent)), are_whole_numbers(heights)};
   }
   std::vector<double> heights;
   GridRect extent;
@@ -29,7 +30,8 @@ const Ground& ground(int side) {
 }
 
 void samples_per_second(benchmark::State& state, double samples) {
-  state.counters["samples/s"] = benchmark::Counter(samples * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+  state.counters["samples/s"] =
+      benchmark::Counter(samples * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
 /// The yardstick of this machine in this run: bytes copied in memory.
@@ -152,7 +154,8 @@ const Encoded& encoded() {
 void BM_PageEncode(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(encode(encoded().page).data());
   samples_per_second(state, static_cast<double>(encoded().page.grid.size()));
-  state.counters["bits/sample"] = 8.0 * static_cast<double>(encoded().bytes.size()) / static_cast<double>(encoded().page.grid.size());
+  state.counters["bits/sample"] =
+      8.0 * static_cast<double>(encoded().bytes.size()) / static_cast<double>(encoded().page.grid.size());
 }
 BENCHMARK(BM_PageEncode)->Unit(benchmark::kMicrosecond);
 

@@ -3,11 +3,10 @@
 // Data: swiss_germany.vrt where the real models are (TALUS_DEM_DIR), and a made terrain of 2049² samples that is
 // always there. The file is in the system's cache, nothing decoded is kept between questions: warm.
 
-#include <benchmark/benchmark.h>
-
 #include <cstring>
 #include <map>
 
+#include <benchmark/benchmark.h>
 #include <gdal_priv.h>
 
 #include "bench/terrain.hpp"
@@ -25,7 +24,9 @@ class Databases {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
   }
-  const Snapshot& made() { return open("made.talus", [&] { return write_made(); }); }
+  const Snapshot& made() {
+    return open("made.talus", [&] { return write_made(); });
+  }
   const Snapshot* real(const std::string& name) {
     const auto file = bench::real_model(name);
     return file ? &open(fs::path(name).stem().string() + ".talus", [&] { return *file; }) : nullptr;
@@ -47,8 +48,10 @@ class Databases {
     std::vector<std::int16_t> whole(heights.begin(), heights.end());
     GDALAllRegister();
     const fs::path file = folder_ / "made.tif";
-    auto* dataset = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(file.c_str(), kSide, kSide, 1, GDT_Int16, nullptr);
-    const CPLErr written = dataset->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, whole.data(), kSide, kSide, GDT_Int16, 0, 0, nullptr);
+    auto* dataset =
+        GetGDALDriverManager()->GetDriverByName("GTiff")->Create(file.c_str(), kSide, kSide, 1, GDT_Int16, nullptr);
+    const CPLErr written = dataset->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, kSide, kSide, whole.data(), kSide, kSide,
+                                                               GDT_Int16, 0, 0, nullptr);
     GDALClose(dataset);
     if (written != CE_None) throw Failure(Cause::io, file.string() + ": cannot be written");
     return file;

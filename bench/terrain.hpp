@@ -32,7 +32,8 @@ inline std::vector<double> mountains(int side) {
         const double bottom = hash(ix, iy + 1, octave) * (1 - u) + hash(ix + 1, iy + 1, octave) * u;
         height += amplitude * (top * (1 - v) + bottom * v);
       }
-      heights[static_cast<std::size_t>(row) * static_cast<std::size_t>(side) + static_cast<std::size_t>(col)] = std::round(height);
+      heights[static_cast<std::size_t>(row) * static_cast<std::size_t>(side) + static_cast<std::size_t>(col)] =
+          std::round(height);
     }
   }
   return heights;

@@ -25,8 +25,10 @@ struct Vector {
   typedef Real V __attribute__((vector_size(16)));
   static V max(V a, V b) {
 #if defined(__SSE2__)
-    if constexpr (sizeof(Real) == 4) return __builtin_ia32_maxps(a, b);
-    else return __builtin_ia32_maxpd(a, b);
+    if constexpr (sizeof(Real) == 4)
+      return __builtin_ia32_maxps(a, b);
+    else
+      return __builtin_ia32_maxpd(a, b);
 #else
     return a > b ? a : b;
 #endif
@@ -47,10 +49,18 @@ struct Lanes {
     for (int i = 0; i < kParts; ++i) made.part[i] = make(i);
     return made;
   }
-  friend Lanes operator+(const Lanes& a, const Lanes& b) { return each([&](int i) { return a.part[i] + b.part[i]; }); }
-  friend Lanes operator-(const Lanes& a, const Lanes& b) { return each([&](int i) { return a.part[i] - b.part[i]; }); }
-  friend Lanes operator-(const Lanes& a) { return each([&](int i) { return -a.part[i]; }); }
-  friend Lanes operator*(const Lanes& a, Real b) { return each([&](int i) { return a.part[i] * b; }); }
+  friend Lanes operator+(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.part[i] + b.part[i]; });
+  }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) {
+    return each([&](int i) { return a.part[i] - b.part[i]; });
+  }
+  friend Lanes operator-(const Lanes& a) {
+    return each([&](int i) { return -a.part[i]; });
+  }
+  friend Lanes operator*(const Lanes& a, Real b) {
+    return each([&](int i) { return a.part[i] * b; });
+  }
   friend Lanes larger(const Lanes& a, const Lanes& b) {
     return each([&](int i) { return Vector<Real>::max(a.part[i], b.part[i]); });
   }

@@ -30,15 +30,27 @@ std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
   const auto take = [&](GridPoint p) { levels[static_cast<std::size_t>(height_in_tree(p))].push_back(p); };
   const auto& [first, last] = region;
   for (const std::int32_t row : {first.row, last.row}) {
-    cut_side(row, first.col, last.col, [&](std::int32_t v) { return GridPoint{v, row}; }, take);
+    cut_side(
+        row, first.col, last.col,
+        [&](std::int32_t v) {
+          return GridPoint{v, row};
+        },
+        take);
   }
   for (const std::int32_t col : {first.col, last.col}) {
-    cut_side(col, first.row, last.row, [&](std::int32_t v) { return GridPoint{col, v}; }, take);
+    cut_side(
+        col, first.row, last.row,
+        [&](std::int32_t v) {
+          return GridPoint{col, v};
+        },
+        take);
   }
-  for (const GridPoint corner : {first, last, GridPoint{first.col, last.row}, GridPoint{last.col, first.row}}) take(corner);
+  for (const GridPoint corner : {first, last, GridPoint{first.col, last.row}, GridPoint{last.col, first.row}})
+    take(corner);
 
   const auto settle = [](std::vector<GridPoint>& level) {
-    std::sort(level.begin(), level.end(), [](GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row : a.col < b.col; });
+    std::sort(level.begin(), level.end(),
+              [](GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row : a.col < b.col; });
     level.erase(std::unique(level.begin(), level.end()), level.end());
   };
   for (std::size_t shift = 0; shift < levels.size(); ++shift) {
@@ -47,11 +59,13 @@ std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
     const std::size_t before = levels[shift].size();
     for (std::size_t i = 0; i < before; ++i) {
       const GridPoint p = levels[shift][i];
-      if (!is_centre(p)) for (const GridPoint parent : diamond(p).apexes) take(parent);
+      if (!is_centre(p))
+        for (const GridPoint parent : diamond(p).apexes) take(parent);
     }
     settle(levels[shift]);
     for (const GridPoint p : std::vector(levels[shift])) {
-      if (is_centre(p)) for (const GridPoint parent : diamond(p).apexes) take(parent);
+      if (is_centre(p))
+        for (const GridPoint parent : diamond(p).apexes) take(parent);
     }
   }
   std::vector<GridPoint> inside;

@@ -1,10 +1,10 @@
 #include "engine/geodesy.hpp"
 
-#include <GeographicLib/Ellipsoid.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <GeographicLib/Ellipsoid.hpp>
 
 namespace talus {
 
@@ -25,8 +25,9 @@ GroundScale GroundScale::geographic(const GridMapping& degrees, GridRect extent,
     scale.width_m_.push_back(ellipsoid.CircleRadius(latitude) * kPerDegree * std::abs(degrees.dx));
     scale.height_m_.push_back(ellipsoid.MeridionalCurvatureRadius(latitude) * kPerDegree * std::abs(degrees.dy));
   }
-  scale.widest_row_ = extent.first.row + static_cast<std::int32_t>(
-      std::max_element(scale.width_m_.begin(), scale.width_m_.end()) - scale.width_m_.begin());
+  scale.widest_row_ =
+      extent.first.row + static_cast<std::int32_t>(std::max_element(scale.width_m_.begin(), scale.width_m_.end()) -
+                                                   scale.width_m_.begin());
   return scale;
 }
 
@@ -39,7 +40,9 @@ Metres GroundScale::longest_side(const HalfDiamond& t) const {
   const std::int32_t top = t.top(), bottom = t.bottom();
   const double width = at(width_m_, std::clamp(widest_row_, top, bottom));
   const double height = std::max(at(height_m_, top), at(height_m_, bottom));
-  const auto length = [&](GridPoint p, GridPoint q) { return std::hypot((p.col - q.col) * width, (p.row - q.row) * height); };
+  const auto length = [&](GridPoint p, GridPoint q) {
+    return std::hypot((p.col - q.col) * width, (p.row - q.row) * height);
+  };
   return Metres{std::max({length(t.a, t.b), length(t.a, t.apex), length(t.b, t.apex)})};
 }
 

@@ -14,7 +14,8 @@ class GroundScale {
   /// Cells of one size everywhere, in metres.
   [[nodiscard]] static GroundScale planar(Metres cell_width, Metres cell_height);
   /// Cells in degrees on an ellipsoid (equatorial radius in metres, flattening); beyond a pole counts as the pole.
-  [[nodiscard]] static GroundScale geographic(const GridMapping& degrees, GridRect extent, Metres radius, double flattening);
+  [[nodiscard]] static GroundScale geographic(const GridMapping& degrees, GridRect extent, Metres radius,
+                                              double flattening);
 
   /// At least the longest side of a triangle, with cells as large as they get on its rows.
   [[nodiscard]] Metres longest_side(const HalfDiamond& t) const;

@@ -11,13 +11,15 @@
 namespace talus {
 
 struct HalfDiamond {
-  GridPoint vertex;      ///< the absent one, midpoint of the hypotenuse
-  GridPoint apex;        ///< the right angle
-  GridPoint a, b;        ///< ends of the hypotenuse
-  std::int32_t s = 0;    ///< spacing of `vertex`
-  bool centre = false;   ///< legs along the axes; otherwise the hypotenuse is
+  GridPoint vertex;     ///< the absent one, midpoint of the hypotenuse
+  GridPoint apex;       ///< the right angle
+  GridPoint a, b;       ///< ends of the hypotenuse
+  std::int32_t s = 0;   ///< spacing of `vertex`
+  bool centre = false;  ///< legs along the axes; otherwise the hypotenuse is
 
-  struct Columns { std::int32_t lo, hi; };
+  struct Columns {
+    std::int32_t lo, hi;
+  };
 
   [[nodiscard]] std::int32_t top() const { return std::min({apex.row, a.row, b.row}); }
   [[nodiscard]] std::int32_t bottom() const { return std::max({apex.row, a.row, b.row}); }

@@ -27,8 +27,8 @@ class CodeDistance {
 /// own floats.
 struct HeightField {
   GridRect extent;
-  std::span<const double> heights;        ///< samples() of them; void vertices hold their fill
-  std::span<const std::uint8_t> valid;    ///< 1 where a sample is data; empty: all are
+  std::span<const double> heights;      ///< samples() of them; void vertices hold their fill
+  std::span<const std::uint8_t> valid;  ///< 1 where a sample is data; empty: all are
   CodeDistance distance;
   /// Every interpolation the errors need is exact in double; otherwise errors carry kRoundingMargin.
   bool exact = true;

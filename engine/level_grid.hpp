@@ -46,15 +46,16 @@ class LevelGrid {
     Value* values = nullptr;  ///< from (first_col, first_row), row by row
     std::ptrdiff_t stride = 0;
     std::int32_t first_col = 0, last_col = -1, first_row = 0, last_row = -1;  ///< rim included
-    [[nodiscard]] Value& at(std::int32_t col, std::int32_t row) const { return values[(row - first_row) * stride + (col - first_col)]; }
+    [[nodiscard]] Value& at(std::int32_t col, std::int32_t row) const {
+      return values[(row - first_row) * stride + (col - first_col)];
+    }
     [[nodiscard]] bool holds(std::int32_t col, std::int32_t row) const {
       return col >= first_col && col <= last_col && row >= first_row && row <= last_row;
     }
   };
   [[nodiscard]] Units units(int shift) {
     Level& l = levels_[static_cast<std::size_t>(shift)];
-    return {l.values.data(), l.cols, l.first_col,
-            l.first_col + l.cols - 1, l.first_row, l.first_row + l.rows - 1};
+    return {l.values.data(), l.cols, l.first_col, l.first_col + l.cols - 1, l.first_row, l.first_row + l.rows - 1};
   }
 
   /// visit(GridPoint) for each vertex of one level, the centres or the side midpoints, rim included.

@@ -1,11 +1,11 @@
 #include "engine/manifest.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/page_layout.hpp"
 #include "talus/failure.hpp"
@@ -20,25 +20,28 @@ void require_plausible(const Manifest& m) {
   const auto refuse = [](const char* what) { throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", what)); };
   const Description& d = m.description;
   const auto within = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
-  if (!within(d.extent.first.col) || !within(d.extent.first.row) || !within(d.extent.last.col) || !within(d.extent.last.row) ||
-      d.extent.cols() < 1 || d.extent.rows() < 1) {
+  if (!within(d.extent.first.col) || !within(d.extent.first.row) || !within(d.extent.last.col) ||
+      !within(d.extent.last.row) || d.extent.cols() < 1 || d.extent.rows() < 1) {
     refuse("impossible extent");
   }
   if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
-  for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor, d.step.offset,
-                         d.metres_per_unit, d.minimum, d.maximum, d.void_weight}) {
+  for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor,
+                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight}) {
     if (!std::isfinite(v)) refuse("a number that is none");
   }
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
-  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0) refuse("impossible height step");
+  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0)
+    refuse("impossible height step");
 }
 
 /// A whole number of its type: the JSON library alone would cut 2³² + 1 to 1.
 template <class Int>
 Int whole(const Json& json) {
   if (json.is_number_unsigned() && std::in_range<Int>(json.get<std::uint64_t>())) return json.get<Int>();
-  if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<Int>(json.get<std::int64_t>())) return json.get<Int>();
-  throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}: expected a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
+  if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<Int>(json.get<std::int64_t>()))
+    return json.get<Int>();
+  throw Failure(Cause::corrupt,
+                fmt::format("corrupt: header: {}: expected a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
 }
 
 }  // namespace
@@ -53,10 +56,15 @@ std::vector<std::byte> encode(const Manifest& m) {
       {"crs_wkt", d.crs_wkt},
       {"source", {{"name", d.source_name}, {"type", d.source_type}}},
       {"vertical", {{"unit", d.vertical_unit}, {"metres_per_unit", d.metres_per_unit}}},
-      {"step", {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
+      {"step",
+       {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
       {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
-      {"errors", {{"kind", "exact"}, {"metric", "vertical"}, {"exact_arithmetic", m.exact}, {"void_weight", d.void_weight},
-                  {"lossy_bound", 0.0}}},
+      {"errors",
+       {{"kind", "exact"},
+        {"metric", "vertical"},
+        {"exact_arithmetic", m.exact},
+        {"void_weight", d.void_weight},
+        {"lossy_bound", 0.0}}},
   };
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   const auto bytes = std::as_bytes(std::span(text));
@@ -68,20 +76,25 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
   const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
   Manifest m;
   try {
-    if (!json.is_object() || !json.contains("talus")) throw Failure(Cause::corrupt, "corrupt: header: not a Talus header");
+    if (!json.is_object() || !json.contains("talus"))
+      throw Failure(Cause::corrupt, "corrupt: header: not a Talus header");
     if (const int version = whole<int>(json.at("talus")); version != kFormatVersion) {
-      throw Failure(Cause::unsupported, fmt::format("format version {}, this program reads version {}; ingest the source again or use "
-                                                    "the program that made the database", version, kFormatVersion));
+      throw Failure(Cause::unsupported,
+                    fmt::format("format version {}, this program reads version {}; ingest the source again or use "
+                                "the program that made the database",
+                                version, kFormatVersion));
     }
     const Json& layout = json.at("layout");
     if (layout.at("band_levels") != kBandLevels || layout.at("page_side") != kPageSide) {
-      throw Failure(Cause::unsupported, fmt::format("pages of {} samples and bands of {} levels, this program reads {} and {}",
-                                                    whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")),
-                                                    kPageSide, kBandLevels));
+      throw Failure(Cause::unsupported,
+                    fmt::format("pages of {} samples and bands of {} levels, this program reads {} and {}",
+                                whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")), kPageSide,
+                                kBandLevels));
     }
     const Json& errors = json.at("errors");
     if (errors.at("kind") != "exact" || errors.at("metric") != "vertical" || errors.at("lossy_bound") != 0.0) {
-      throw Failure(Cause::unsupported, "errors of another kind than exact, vertical and lossless, which this program does not know");
+      throw Failure(Cause::unsupported,
+                    "errors of another kind than exact, vertical and lossless, which this program does not know");
     }
     m.bands = whole<int>(layout.at("bands"));
     Description& d = m.description;

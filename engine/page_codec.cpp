@@ -1,8 +1,5 @@
 #include "engine/page_codec.hpp"
 
-#include <fmt/format.h>
-#include <zstd.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,6 +7,9 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+
+#include <fmt/format.h>
+#include <zstd.h>
 
 #include "engine/vertex_error.hpp"
 #include "talus/failure.hpp"
@@ -27,7 +27,8 @@ float rounded_up(double v) { return -rounded_down(-v); }
 }  // namespace
 
 ChildEntry joined(const ChildEntry& a, const ChildEntry& b) {
-  return {a.present || b.present, std::max(a.largest, b.largest), std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
+  return {a.present || b.present, std::max(a.largest, b.largest), std::min(a.lowest, b.lowest),
+          std::max(a.highest, b.highest)};
 }
 
 ChildEntry range_of(const Page& page, const HeightStep& step) {
@@ -41,7 +42,8 @@ ChildEntry range_of(const Page& page, const HeightStep& step) {
   return {true, 0, rounded_down(lowest), rounded_up(highest)};
 }
 
-double Page::implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance, bool exact) const {
+double Page::implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance,
+                           bool exact) const {
   const std::size_t here = index(col, row), step = (p.col & 1) != 0 ? 1 : static_cast<std::size_t>(grid.cols);
   return finest_error(heights[here], heights[here - step], heights[here + step], distance, exact);
 }
@@ -59,9 +61,14 @@ enum Flag : std::uint8_t { kHasVoids = 1, kHasCovers = 2, kImpliesMidpoints = 4,
 /// was one; bits are the number's own, reordered so that they rise with it.
 enum class Coding : std::uint8_t {
   whole = 0,
-  decimal1 = 1, decimal2 = 2, decimal3 = 3,
-  float_decimal1 = 4, float_decimal2 = 5, float_decimal3 = 6,
-  float_bits = 7, double_bits = 8,
+  decimal1 = 1,
+  decimal2 = 2,
+  decimal3 = 3,
+  float_decimal1 = 4,
+  float_decimal2 = 5,
+  float_decimal3 = 6,
+  float_bits = 7,
+  double_bits = 8,
 };
 constexpr std::uint8_t kCodings = 9;
 constexpr double kPowers[] = {1, 10, 100, 1000};
@@ -73,8 +80,12 @@ double height_of(std::int64_t k, Coding coding) {
   const int c = static_cast<int>(coding);
   switch (coding) {
     case Coding::whole: return static_cast<double>(k);
-    case Coding::decimal1: case Coding::decimal2: case Coding::decimal3: return static_cast<double>(k) / kPowers[c];
-    case Coding::float_decimal1: case Coding::float_decimal2: case Coding::float_decimal3:
+    case Coding::decimal1:
+    case Coding::decimal2:
+    case Coding::decimal3: return static_cast<double>(k) / kPowers[c];
+    case Coding::float_decimal1:
+    case Coding::float_decimal2:
+    case Coding::float_decimal3:
       return static_cast<double>(static_cast<float>(static_cast<double>(k) / kPowers[c - 3]));
     case Coding::float_bits: {
       const auto narrow = static_cast<std::int32_t>(k);
@@ -89,9 +100,12 @@ std::int64_t number_of(double h, Coding coding) {
   const int c = static_cast<int>(coding);
   switch (coding) {
     case Coding::whole: return std::llround(h);
-    case Coding::decimal1: case Coding::decimal2: case Coding::decimal3: return std::llround(h * kPowers[c]);
-    case Coding::float_decimal1: case Coding::float_decimal2: case Coding::float_decimal3:
-      return std::llround(h * kPowers[c - 3]);
+    case Coding::decimal1:
+    case Coding::decimal2:
+    case Coding::decimal3: return std::llround(h * kPowers[c]);
+    case Coding::float_decimal1:
+    case Coding::float_decimal2:
+    case Coding::float_decimal3: return std::llround(h * kPowers[c - 3]);
     case Coding::float_bits: return rising(std::bit_cast<std::int32_t>(static_cast<float>(h)));
     case Coding::double_bits: break;
   }
@@ -109,8 +123,8 @@ bool restores(std::span<const double> heights, Coding coding) {
 
 /// The first of a fixed ladder that restores every height bit for bit.
 Coding choose(std::span<const double> heights) {
-  for (const Coding c : {Coding::whole, Coding::float_decimal1, Coding::decimal1, Coding::float_decimal2, Coding::decimal2,
-                         Coding::float_decimal3, Coding::decimal3, Coding::float_bits}) {
+  for (const Coding c : {Coding::whole, Coding::float_decimal1, Coding::decimal1, Coding::float_decimal2,
+                         Coding::decimal2, Coding::float_decimal3, Coding::decimal3, Coding::float_bits}) {
     if (restores(heights, c)) return c;
   }
   return Coding::double_bits;
@@ -124,7 +138,9 @@ std::int64_t minus(std::int64_t a, std::int64_t b) {
 std::int64_t plus(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
-std::uint64_t zigzag(std::int64_t v) { return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63); }
+std::uint64_t zigzag(std::int64_t v) {
+  return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63);
+}
 std::int64_t unzigzag(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (0 - (v & 1))); }
 
 /// The samples of a page coarse to fine, each with what its neighbours predict. Every sample but the
@@ -134,7 +150,10 @@ std::int64_t unzigzag(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1
 class Prediction {
  public:
   Prediction(const PageGrid& grid, std::vector<std::int64_t>& numbers)
-      : grid_(grid), numbers_(numbers), offset_col_(grid.first.col & (kPageSide - 1)), offset_row_(grid.first.row & (kPageSide - 1)) {}
+      : grid_(grid),
+        numbers_(numbers),
+        offset_col_(grid.first.col & (kPageSide - 1)),
+        offset_row_(grid.first.row & (kPageSide - 1)) {}
 
   /// visit(number, predicted) in an order that depends on the grid only.
   template <class Visit>
@@ -163,7 +182,8 @@ class Prediction {
     }
   }
   std::int64_t& at(std::int32_t col, std::int32_t row) {
-    return numbers_[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.cols) + static_cast<std::size_t>(col)];
+    return numbers_[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.cols) +
+                    static_cast<std::size_t>(col)];
   }
   [[nodiscard]] bool has(std::int32_t col, std::int32_t row) const {
     return static_cast<std::uint32_t>(col) < static_cast<std::uint32_t>(grid_.cols) &&
@@ -186,7 +206,10 @@ class Prediction {
     const Guess apexes = pair_of(col - dr, row - dc, col + dr, row + dc);
     return ends.count > 0 && ends.count >= apexes.count ? ends.value : apexes.count > 0 ? apexes.value : 0;
   }
-  struct Guess { std::int64_t value; int count; };
+  struct Guess {
+    std::int64_t value;
+    int count;
+  };
   Guess pair_of(std::int32_t c1, std::int32_t r1, std::int32_t c2, std::int32_t r2) {
     const bool one = has(c1, r1), two = has(c2, r2);
     if (one && two) return {mean(at(c1, r1), at(c2, r2)), 2};
@@ -214,7 +237,8 @@ void list_stored_errors(const Page& page, std::vector<std::uint32_t>& stored) {
       const std::int32_t unit = col + page.grid.first.col;
       const bool own = !row_coarser || (unit & coarser) != 0;
       const bool side = ((unit & 1) != 0) != row_odd;  // the midpoint of a finest side
-      const bool implied = page.implied_midpoints && side && (row_odd ? inner_row : col > 0 && col + 1 < page.grid.cols);
+      const bool implied =
+          page.implied_midpoints && side && (row_odd ? inner_row : col > 0 && col + 1 < page.grid.cols);
       if (own && !implied) stored.push_back(static_cast<std::uint32_t>(page.index(col, row)));
     }
   }
@@ -257,7 +281,8 @@ class Reader {
   Int get() {
     if (rest_.size() < sizeof(Int)) corrupt("ends early");
     Int value = 0;
-    for (std::size_t i = 0; i < sizeof(Int); ++i) value = static_cast<Int>(value | static_cast<Int>(std::to_integer<Int>(rest_[i]) << (8 * i)));
+    for (std::size_t i = 0; i < sizeof(Int); ++i)
+      value = static_cast<Int>(value | static_cast<Int>(std::to_integer<Int>(rest_[i]) << (8 * i)));
     rest_ = rest_.subspan(sizeof(Int));
     return value;
   }
@@ -375,7 +400,9 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span
   auto& numbers = scratch_->numbers;
   auto& planes = scratch_->planes;
   auto& stored = scratch_->stored;
-  const auto section = [&](std::size_t size, std::size_t plane = 0) { return in.section(size, planes[plane], scratch_->context.get()); };
+  const auto section = [&](std::size_t size, std::size_t plane = 0) {
+    return in.section(size, planes[plane], scratch_->context.get());
+  };
   page.id = id;
   page.bands = bands;
   page.grid = page_grid(id, extent);
@@ -383,9 +410,12 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span
   if (in.get<std::uint8_t>() != kVersion) in.corrupt("unknown version");
   const auto coding = in.get<std::uint8_t>(), flags = in.get<std::uint8_t>(), width = in.get<std::uint8_t>();
   if (coding >= kCodings) in.corrupt("unknown coding of heights");
-  if ((flags & ~kAllFlags) != 0 || ((flags & kHasVoids) != 0 && (flags & kHasCovers) == 0)) in.corrupt("impossible flags");
-  if (((flags & kHasChildren) != 0) != (id.band > 0)) in.corrupt("table of pages below where none belongs, or none where one does");
-  if ((flags & kImpliesMidpoints) != 0 && (id.band != 0 || (flags & (kHasVoids | kHasCovers)) != 0)) in.corrupt("impossible flags");
+  if ((flags & ~kAllFlags) != 0 || ((flags & kHasVoids) != 0 && (flags & kHasCovers) == 0))
+    in.corrupt("impossible flags");
+  if (((flags & kHasChildren) != 0) != (id.band > 0))
+    in.corrupt("table of pages below where none belongs, or none where one does");
+  if ((flags & kImpliesMidpoints) != 0 && (id.band != 0 || (flags & (kHasVoids | kHasCovers)) != 0))
+    in.corrupt("impossible flags");
   if (width != 1 && width != 2 && width != 4 && width != 8) in.corrupt("impossible width of residuals");
   if (in.get<std::uint16_t>() != page.grid.cols || in.get<std::uint16_t>() != page.grid.rows) in.corrupt("wrong size");
   page.implied_midpoints = (flags & kImpliesMidpoints) != 0;
@@ -415,7 +445,9 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span
       number = plus(predicted, unzigzag(residual(next++)));
     });
   };
-  const auto byte = [](const std::vector<std::byte>& plane, std::size_t i) { return std::to_integer<std::uint64_t>(plane[i]); };
+  const auto byte = [](const std::vector<std::byte>& plane, std::size_t i) {
+    return std::to_integer<std::uint64_t>(plane[i]);
+  };
   if (width == 1) {
     rebuild([&, &low = planes[0]](std::size_t i) { return byte(low, i); });
   } else if (width == 2) {
@@ -429,7 +461,8 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span
   }
   page.heights.resize(n);
   if (static_cast<Coding>(coding) == Coding::whole) {
-    std::transform(numbers.begin(), numbers.end(), page.heights.begin(), [](std::int64_t k) { return static_cast<double>(k); });
+    std::transform(numbers.begin(), numbers.end(), page.heights.begin(),
+                   [](std::int64_t k) { return static_cast<double>(k); });
   } else {
     for (std::size_t i = 0; i < n; ++i) page.heights[i] = height_of(numbers[i], static_cast<Coding>(coding));
     if (!std::all_of(page.heights.begin(), page.heights.end(), [](double h) { return std::isfinite(h); })) {

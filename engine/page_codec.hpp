@@ -14,8 +14,8 @@ namespace talus {
 
 /// What a page knows of one of the pages below it, so that those with nothing to give are never read.
 struct ChildEntry {
-  bool present = false;   ///< it is stored; one that holds voids only is not
-  ErrorCode largest = 0;  ///< saturated error of any vertex in it or in pages below it
+  bool present = false;           ///< it is stored; one that holds voids only is not
+  ErrorCode largest = 0;          ///< saturated error of any vertex in it or in pages below it
   float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; +inf and -inf: voids only
   friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
 };
@@ -25,16 +25,16 @@ struct ChildEntry {
 
 struct Page {
   PageId id;
-  int bands = 1;                      ///< of the database: the coarsest holds all vertices above it, too
+  int bands = 1;  ///< of the database: the coarsest holds all vertices above it, too
   PageGrid grid;
-  std::vector<double> heights;        ///< height codes, row by row
-  std::vector<ErrorCode> errors;      ///< saturated; 0 for vertices of coarser bands
+  std::vector<double> heights;    ///< height codes, row by row
+  std::vector<ErrorCode> errors;  ///< saturated; 0 for vertices of coarser bands
   /// True in pages of data only of the finest band: the errors of side midpoints whose side lies in the
   /// page are not stored, `errors` has 0, finest_error() of the heights gives them.
   bool implied_midpoints = false;
-  std::vector<std::uint8_t> valid;    ///< 1 where the sample is data; empty: all are
-  std::vector<std::uint8_t> covers;   ///< RestrictedQuadtree::covers of own vertices; empty: all 15
-  std::vector<ChildEntry> children;   ///< kChildrenAcross² row by row; empty in the finest band
+  std::vector<std::uint8_t> valid;   ///< 1 where the sample is data; empty: all are
+  std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
+  std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
 
   [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
@@ -45,7 +45,8 @@ struct Page {
     return (p.col & 1) != 0 ? col > 0 && col + 1 < grid.cols : row > 0 && row + 1 < grid.rows;
   }
   /// Residual ends of an implied midpoint are its neighbours along the odd coordinate.
-  [[nodiscard]] double implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance, bool exact) const;
+  [[nodiscard]] double implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance,
+                                     bool exact) const;
 };
 
 /// An entry with the range of a page's valid heights, and no error yet.

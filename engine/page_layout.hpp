@@ -22,8 +22,8 @@ namespace talus {
 #ifndef TALUS_PAGE_SHIFT
 #define TALUS_PAGE_SHIFT 7
 #endif
-inline constexpr int kBandLevels = TALUS_BAND_LEVELS;            ///< levels (spacings) in a band
-inline constexpr int kPageShift = TALUS_PAGE_SHIFT;              ///< log2 of samples along a page's side
+inline constexpr int kBandLevels = TALUS_BAND_LEVELS;  ///< levels (spacings) in a band
+inline constexpr int kPageShift = TALUS_PAGE_SHIFT;    ///< log2 of samples along a page's side
 inline constexpr std::int32_t kPageSide = 1 << kPageShift;
 inline constexpr std::int32_t kChildrenAcross = 1 << kBandLevels;
 static_assert(kPageShift >= kBandLevels && kPageShift <= 10 && kBandLevels >= 1);
@@ -57,7 +57,9 @@ struct PageId {
   return {band, p.col >> shift, p.row >> shift};
 }
 
-[[nodiscard]] constexpr PageId parent_page(PageId id) { return {id.band + 1, id.x >> kBandLevels, id.y >> kBandLevels}; }
+[[nodiscard]] constexpr PageId parent_page(PageId id) {
+  return {id.band + 1, id.x >> kBandLevels, id.y >> kBandLevels};
+}
 
 /// The page below that stands at `index` of the table of pages below: row by row.
 [[nodiscard]] constexpr PageId child_page(PageId id, std::size_t index) {
@@ -69,7 +71,9 @@ struct PageId {
 [[nodiscard]] constexpr GridRect page_square(PageId id) {
   const std::int64_t side = std::int64_t{kPageSide} << band_shift(id.band);
   const std::int64_t limit = std::int64_t{1} << 30;
-  const auto cut = [&](std::int64_t v) { return static_cast<std::int32_t>(v < -limit ? -limit : v > limit ? limit : v); };
+  const auto cut = [&](std::int64_t v) {
+    return static_cast<std::int32_t>(v < -limit ? -limit : v > limit ? limit : v);
+  };
   return {{cut(id.x * side), cut(id.y * side)}, {cut((id.x + 1) * side - 1), cut((id.y + 1) * side - 1)}};
 }
 
@@ -86,18 +90,24 @@ struct PageGrid {
 
 [[nodiscard]] constexpr PageGrid page_grid(PageId id, GridRect extent) {
   const int shift = band_shift(id.band);
-  const auto first_unit = [&](std::int32_t v) { return static_cast<std::int32_t>((std::int64_t{v} + (1 << shift) - 1) >> shift); };
+  const auto first_unit = [&](std::int32_t v) {
+    return static_cast<std::int32_t>((std::int64_t{v} + (1 << shift) - 1) >> shift);
+  };
   const std::int32_t col0 = id.x * kPageSide, row0 = id.y * kPageSide;
   const std::int32_t first_col = first_unit(extent.first.col) > col0 ? first_unit(extent.first.col) : col0;
   const std::int32_t first_row = first_unit(extent.first.row) > row0 ? first_unit(extent.first.row) : row0;
   const std::int32_t last_col = extent.last.col >> shift, last_row = extent.last.row >> shift;
   const std::int32_t end_col = (last_col < col0 + kPageSide - 1 ? last_col : col0 + kPageSide - 1) + 1;
   const std::int32_t end_row = (last_row < row0 + kPageSide - 1 ? last_row : row0 + kPageSide - 1) + 1;
-  return {shift, {first_col, first_row}, end_col > first_col ? end_col - first_col : 0, end_row > first_row ? end_row - first_row : 0};
+  return {shift,
+          {first_col, first_row},
+          end_col > first_col ? end_col - first_col : 0,
+          end_row > first_row ? end_row - first_row : 0};
 }
 
 [[nodiscard]] constexpr bool overlap(GridRect a, GridRect b) {
-  return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row && b.first.row <= a.last.row;
+  return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row &&
+         b.first.row <= a.last.row;
 }
 
 /// Pages along a Morton curve: neighbours in the plane are mostly neighbours in the file.

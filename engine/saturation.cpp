@@ -56,9 +56,11 @@ class Saturation {
   }
   static ErrorCode around(const Units& u, std::int32_t col, std::int32_t row) {
     if (u.holds(col - 1, row - 1) && u.holds(col + 1, row + 1)) {
-      return std::max(std::max(u.at(col - 1, row), u.at(col + 1, row)), std::max(u.at(col, row - 1), u.at(col, row + 1)));
+      return std::max(std::max(u.at(col - 1, row), u.at(col + 1, row)),
+                      std::max(u.at(col, row - 1), u.at(col, row + 1)));
     }
-    return std::max(std::max(at(u, col - 1, row), at(u, col + 1, row)), std::max(at(u, col, row - 1), at(u, col, row + 1)));
+    return std::max(std::max(at(u, col - 1, row), at(u, col + 1, row)),
+                    std::max(at(u, col, row - 1), at(u, col, row + 1)));
   }
   static ErrorCode corners(const Units& u, std::int32_t col, std::int32_t row) {
     if (u.holds(col - 1, row - 1) && u.holds(col + 1, row + 1)) {

@@ -33,7 +33,8 @@ class SlabErrors {
     rows_ = (e.last.row >> kSlabShift) - first_.row + 1;
     slabs_.resize(static_cast<std::size_t>(cols_) * static_cast<std::size_t>(rows_));
     for (std::int32_t y = 0; y < rows_; ++y) {
-      for (std::int32_t x = 0; x < cols_; ++x) slab({first_.col + x, first_.row + y}) = fit({first_.col + x, first_.row + y});
+      for (std::int32_t x = 0; x < cols_; ++x)
+        slab({first_.col + x, first_.row + y}) = fit({first_.col + x, first_.row + y});
     }
   }
 
@@ -50,7 +51,10 @@ class SlabErrors {
   }
 
  private:
-  struct Candidate { std::int32_t x, y; double bound; };
+  struct Candidate {
+    std::int32_t x, y;
+    double bound;
+  };
 
   Slab& slab(GridPoint at) {
     return slabs_[static_cast<std::size_t>(at.row - first_.row) * static_cast<std::size_t>(cols_) +
@@ -154,7 +158,8 @@ class SlabErrors {
     return {lo, hi};
   }
 
-  [[nodiscard]] double look(const HalfDiamond& t, const Plane<double>& plane, const Candidate& c, double largest) const {
+  [[nodiscard]] double look(const HalfDiamond& t, const Plane<double>& plane, const Candidate& c,
+                            double largest) const {
     const GridRect part = square({c.x, c.y});
     for (std::int32_t row = std::max(part.first.row, t.top()); row <= std::min(part.last.row, t.bottom()); ++row) {
       const auto [lo, hi] = t.columns(row);

@@ -21,7 +21,10 @@ constexpr bool is_counter_clockwise(const Triangle& t) {
 class Emitter {
  public:
   Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh)
-      : quadtree_(quadtree), mask_(quadtree.vertices), region_(mask_.region()), points_(mesh.points.data()),
+      : quadtree_(quadtree),
+        mask_(quadtree.vertices),
+        region_(mask_.region()),
+        points_(mesh.points.data()),
         out_(mesh.triangles.data()) {}
 
   /// Emits the leaves around every vertex; returns one past the last triangle. A triangle is always written
@@ -31,7 +34,8 @@ class Emitter {
     std::uint32_t self = 0;
     mask_.for_each([&](GridPoint p) __attribute__((always_inline)) {
       points_[self] = p;
-      const bool inner = p.col > region_.first.col && p.col < region_.last.col && p.row > region_.first.row && p.row < region_.last.row;
+      const bool inner = p.col > region_.first.col && p.col < region_.last.col && p.row > region_.first.row &&
+                         p.row < region_.last.row;
       const std::uint8_t covers = all_covered ? std::uint8_t{15} : quadtree_.covers[self];
       if (inner && covers == 15 && ((p.col | p.row) & 1) != 0) {
         ((p.col & p.row) & 1) != 0 ? finest_centre(p, self) : finest_side(p, self);
@@ -96,7 +100,9 @@ class Emitter {
   Corners* out_;
 };
 
-TALUS_POPCNT Corners* emit_popcnt(const RestrictedQuadtree& quadtree, Mesh& mesh) { return Emitter(quadtree, mesh).run(); }
+TALUS_POPCNT Corners* emit_popcnt(const RestrictedQuadtree& quadtree, Mesh& mesh) {
+  return Emitter(quadtree, mesh).run();
+}
 Corners* emit_plain(const RestrictedQuadtree& quadtree, Mesh& mesh) { return Emitter(quadtree, mesh).run(); }
 
 /// Keeps the points that triangles use, in order.

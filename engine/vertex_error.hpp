@@ -20,8 +20,8 @@ using GroundSide = std::function<double(const HalfDiamond&)>;
 struct ErrorInput {
   HeightField field;
   const VoidMap* voids = nullptr;
-  GroundSide ground_side;   ///< used with voids only
-  double void_weight = 1;   ///< metres of error per metre of ground side
+  GroundSide ground_side;  ///< used with voids only
+  double void_weight = 1;  ///< metres of error per metre of ground side
 };
 
 /// Vertical error of one half in metres, by a plain loop over the closed triangle: 0 if it leaves the
@@ -34,7 +34,8 @@ struct ErrorInput {
 
 /// Error of a finest side midpoint in metres, from its own height and the two ends of its side: such a
 /// vertex has no samples but itself to miss.
-[[nodiscard]] double finest_error(double height, double end, double other_end, const CodeDistance& distance, bool exact);
+[[nodiscard]] double finest_error(double height, double end, double other_end, const CodeDistance& distance,
+                                  bool exact);
 
 /// Error codes of all vertices, not yet saturated, by the plain loop. Slow: n² log n.
 [[nodiscard]] LevelGrid<ErrorCode> reference_errors(const ErrorInput& input);

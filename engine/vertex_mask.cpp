@@ -7,7 +7,8 @@
 namespace talus {
 
 VertexMask::VertexMask(GridRect region)
-    : region_(region), words_per_row_((static_cast<std::size_t>(region.cols()) + 63) / 64),
+    : region_(region),
+      words_per_row_((static_cast<std::size_t>(region.cols()) + 63) / 64),
       words_(words_per_row_ * static_cast<std::size_t>(region.rows())) {}
 
 namespace {
@@ -15,7 +16,8 @@ namespace {
 TALUS_INLINE void ranks_of(const VertexMask& mask, std::span<const GridPoint> points, std::span<std::uint32_t> out) {
   for (std::size_t i = 0; i < points.size(); ++i) out[i] = mask.rank(points[i]);
 }
-TALUS_POPCNT void ranks_popcnt(const VertexMask& mask, std::span<const GridPoint> points, std::span<std::uint32_t> out) {
+TALUS_POPCNT void ranks_popcnt(const VertexMask& mask, std::span<const GridPoint> points,
+                               std::span<std::uint32_t> out) {
   ranks_of(mask, points, out);
 }
 
@@ -33,7 +35,8 @@ void VertexMask::seal() {
     count += static_cast<std::size_t>(std::popcount(words_[w]));
   }
   if (count > std::numeric_limits<std::uint32_t>::max()) {
-    throw Failure(Cause::invalid_argument, "the answer has more than 4294967295 vertices; ask for a smaller rectangle or a larger tolerance");
+    throw Failure(Cause::invalid_argument,
+                  "the answer has more than 4294967295 vertices; ask for a smaller rectangle or a larger tolerance");
   }
   size_ = count;
 }

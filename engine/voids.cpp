@@ -30,8 +30,10 @@ void in_diamond(GridRect extent, std::span<const std::uint8_t> valid, GridPoint 
 /// visit(index) for each valid sample at most `reach` columns and rows away: a root corner has no diamond.
 template <class Visit>
 void around(GridRect extent, std::span<const std::uint8_t> valid, GridPoint p, std::int32_t reach, Visit&& visit) {
-  for (std::int32_t row = std::max(p.row - reach, extent.first.row); row <= std::min(p.row + reach, extent.last.row); ++row) {
-    for (std::int32_t col = std::max(p.col - reach, extent.first.col); col <= std::min(p.col + reach, extent.last.col); ++col) {
+  for (std::int32_t row = std::max(p.row - reach, extent.first.row); row <= std::min(p.row + reach, extent.last.row);
+       ++row) {
+    for (std::int32_t col = std::max(p.col - reach, extent.first.col); col <= std::min(p.col + reach, extent.last.col);
+         ++col) {
       const std::size_t i = index_in(extent, {col, row});
       if (valid[i]) visit(i);
     }
@@ -74,8 +76,8 @@ VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid)
 
 Holds VoidMap::finest(Triangle t) const {
   if (!extent_.contains(t.apex) || !extent_.contains(t.left) || !extent_.contains(t.right)) return kNothing;
-  const bool valid = valid_[index_in(extent_, t.apex)] && valid_[index_in(extent_, t.left)] &&
-                     valid_[index_in(extent_, t.right)];
+  const bool valid =
+      valid_[index_in(extent_, t.apex)] && valid_[index_in(extent_, t.left)] && valid_[index_in(extent_, t.right)];
   return valid ? kData : kVoid;
 }
 

@@ -25,9 +25,7 @@ GdalScope::~GdalScope() {
   }
 }
 
-std::string GdalScope::reason() const {
-  return words_[0] == '\0' ? std::string{} : ": " + std::string{words_.data()};
-}
+std::string GdalScope::reason() const { return words_[0] == '\0' ? std::string{} : ": " + std::string{words_.data()}; }
 
 void GdalScope::remember(CPLErr severity, CPLErrorNum, const char* words) {
   if (severity < CE_Failure) return;

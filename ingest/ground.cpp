@@ -1,9 +1,9 @@
 #include "ingest/ground.hpp"
 
-#include <ogr_spatialref.h>
-
 #include <cmath>
 #include <numbers>
+
+#include <ogr_spatialref.h>
 
 namespace talus {
 

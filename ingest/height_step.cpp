@@ -14,7 +14,8 @@ bool is_restored(double value, double divisor) {
 
 }  // namespace
 
-HeightStep find_height_step(const Description& source, std::vector<double>& codes, const std::vector<std::uint8_t>& valid) {
+HeightStep find_height_step(const Description& source, std::vector<double>& codes,
+                            const std::vector<std::uint8_t>& valid) {
   if (source.step.integer) return source.step;
   for (const double divisor : {1.0, 10.0, 100.0, 1000.0}) {
     if (divisor > 1 && source.source_type != "Float64") break;

@@ -1,13 +1,13 @@
 #include "talus/ingest.hpp"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "engine/saturation.hpp"
 #include "ingest/ground.hpp"
@@ -24,8 +24,9 @@ namespace {
 void require_memory(const Description& d) {
   // Heights, masks of voids, slabs and GDAL by sample; errors and what triangles hold by vertex, rim included.
   constexpr double kPerSample = 16, kPerVertex = 5, kRim = 9;
-  const double needed = static_cast<double>(d.extent.samples()) * kPerSample +
-                        (static_cast<double>(d.extent.cols()) + kRim) * (static_cast<double>(d.extent.rows()) + kRim) * kPerVertex;
+  const double needed =
+      static_cast<double>(d.extent.samples()) * kPerSample +
+      (static_cast<double>(d.extent.cols()) + kRim) * (static_cast<double>(d.extent.rows()) + kRim) * kPerVertex;
   const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
   if (needed > there) {
     constexpr double kGiB = 1 << 30;
@@ -46,7 +47,8 @@ Heights read(const RasterSource& source, Description& d, const std::function<voi
   Heights all;
   all.codes.reserve(static_cast<std::size_t>(d.extent.samples()));
   all.valid.reserve(all.codes.capacity());
-  const auto rows_at_once = static_cast<std::int32_t>(std::clamp<std::int64_t>((1 << 22) / d.extent.cols(), 1, d.extent.rows()));
+  const auto rows_at_once =
+      static_cast<std::int32_t>(std::clamp<std::int64_t>((1 << 22) / d.extent.cols(), 1, d.extent.rows()));
   for (std::int32_t row = d.extent.first.row; row <= d.extent.last.row; row += rows_at_once) {
     const std::int32_t last = std::min(row + rows_at_once - 1, d.extent.last.row);
     const CodeWindow window = source.read_codes({{d.extent.first.col, row}, {d.extent.last.col, last}});
@@ -57,7 +59,8 @@ Heights read(const RasterSource& source, Description& d, const std::function<voi
   d.step = find_height_step(d, all.codes, all.valid);
   d.void_samples = static_cast<std::uint64_t>(std::count(all.valid.begin(), all.valid.end(), 0));
   if (d.void_samples == all.valid.size()) {
-    throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest", d.source_name, d.void_samples));
+    throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest",
+                                                       d.source_name, d.void_samples));
   }
   if (d.void_samples == 0) all.valid.clear();
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
@@ -74,13 +77,15 @@ Heights read(const RasterSource& source, Description& d, const std::function<voi
 
 }  // namespace
 
-IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database, const IngestOptions& options) {
+IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,
+                    const IngestOptions& options) {
   const auto started = std::chrono::steady_clock::now();
   const auto tell = [&](double fraction, const char* stage) {
     if (options.progress) options.progress(fraction, stage);
   };
   if (!(options.void_weight >= 0) || options.void_weight > 1e6) {
-    throw Failure(Cause::invalid_argument, fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
   }
   const RasterSource source(input);
   Manifest manifest;
@@ -100,8 +105,12 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
 
   const GroundScale ground = ground_scale(d);
   ErrorInput input_of_errors;
-  input_of_errors.field = {d.extent, heights.codes, heights.valid, CodeDistance(d.step, d.metres_per_unit),
-                           interpolation_is_exact(heights.codes, root_side(d.extent)), are_whole_numbers(heights.codes)};
+  input_of_errors.field = {d.extent,
+                           heights.codes,
+                           heights.valid,
+                           CodeDistance(d.step, d.metres_per_unit),
+                           interpolation_is_exact(heights.codes, root_side(d.extent)),
+                           are_whole_numbers(heights.codes)};
   input_of_errors.voids = voids ? &*voids : nullptr;
   input_of_errors.ground_side = [&](const HalfDiamond& t) { return ground.longest_side(t).value; };
   input_of_errors.void_weight = options.void_weight;

@@ -59,7 +59,8 @@ class Packer {
         if (!page.is_own(p)) continue;
         page.errors[i] = spacing(p) >= in_.errors.root() ? kAlwaysSelected : in_.errors[p];
         if (!page.covers.empty()) {
-          const std::uint8_t with_data = spacing(p) >= in_.errors.root() ? 15 : in_.errors_from.voids->apex_triangles_with_data(p);
+          const std::uint8_t with_data =
+              spacing(p) >= in_.errors.root() ? 15 : in_.errors_from.voids->apex_triangles_with_data(p);
           entry.present = entry.present || with_data != 0 || page.errors[i] != 0;
           page.covers[i] = static_cast<std::uint8_t>(with_data | leaving_extent(p));
           covers_differ = covers_differ || page.covers[i] != 15;
@@ -78,13 +79,15 @@ class Packer {
     std::uint8_t bits = 0;
     const auto triangles = apex_triangles(p);
     for (std::size_t i = 0; i < 4; ++i) {
-      if (!extent_.contains(triangles[i].left) || !extent_.contains(triangles[i].right)) bits = static_cast<std::uint8_t>(bits | 1u << i);
+      if (!extent_.contains(triangles[i].left) || !extent_.contains(triangles[i].right))
+        bits = static_cast<std::uint8_t>(bits | 1u << i);
     }
     return bits;
   }
 
   static void imply_midpoints(Page& page) {
-    if (page.id.band != 0 || !page.valid.empty() || !page.covers.empty() || page.grid.cols < 2 || page.grid.rows < 2) return;
+    if (page.id.band != 0 || !page.valid.empty() || !page.covers.empty() || page.grid.cols < 2 || page.grid.rows < 2)
+      return;
     page.implied_midpoints = true;
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {

@@ -11,9 +11,9 @@ namespace talus {
 
 struct PackInput {
   const Manifest& manifest;
-  const ErrorInput& errors_from;            ///< heights, voids
-  const LevelGrid<ErrorCode>& errors;       ///< saturated
-  std::span<const std::uint8_t> valid;      ///< empty: all data
+  const ErrorInput& errors_from;        ///< heights, voids
+  const LevelGrid<ErrorCode>& errors;   ///< saturated
+  std::span<const std::uint8_t> valid;  ///< empty: all data
 };
 
 /// Hands out every page that holds data, band by band from the finest, each in curve order, so that what

@@ -1,13 +1,13 @@
 #include "ingest/part_file.hpp"
 
+#include <array>
+#include <cerrno>
+#include <cstring>
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
-
-#include <array>
-#include <cerrno>
-#include <cstring>
 
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
@@ -37,24 +37,31 @@ bool is_unfinished_database(int handle) {
   std::array<unsigned char, 20> head{};
   const ssize_t got = ::pread(handle, head.data(), head.size(), 0);
   constexpr std::array<unsigned char, 4> kMagic{0xde, 0xc0, 0xef, 0xbe};
-  return got == 0 || (got == static_cast<ssize_t>(head.size()) && std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0);
+  return got == 0 ||
+         (got == static_cast<ssize_t>(head.size()) && std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0);
 }
 
 }  // namespace
 
-PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(database)), part_(database_.string() + ".part") {
+PartFile::PartFile(fs::path database, bool overwrite)
+    : database_(std::move(database)), part_(database_.string() + ".part") {
   std::error_code ignored;
   const fs::file_status status = fs::status(database_, ignored);
   if (database_.filename().empty() || fs::is_directory(status)) {
-    throw Failure(Cause::invalid_argument, fmt::format("{}: a folder; a database is one file, name it", database_.string()));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: a folder; a database is one file, name it", database_.string()));
   }
   if (fs::exists(status)) {
     if (!overwrite) {
-      throw Failure(Cause::invalid_argument, fmt::format("{}: exists already; replace it with --overwrite or choose another name", database_.string()));
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: exists already; replace it with --overwrite or choose another name", database_.string()));
     }
     if (!fs::is_regular_file(status) || !is_a_database(database_)) {
-      throw Failure(Cause::invalid_argument, fmt::format("{}: exists and is no sound Talus database; it is left alone, remove it or choose another name",
-                                                         database_.string()));
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: exists and is no sound Talus database; it is left alone, remove it or choose another name",
+                      database_.string()));
     }
   }
   handle_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
@@ -65,8 +72,10 @@ PartFile::PartFile(fs::path database, bool overwrite) : database_(std::move(data
   }
   if (!is_unfinished_database(handle_)) {
     ::close(handle_);
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{}: exists and is not what an ingest left behind; the work needs this name, so move it away", part_.string()));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{}: exists and is not what an ingest left behind; the work needs this name, so move it away",
+                    part_.string()));
   }
   if (::ftruncate(handle_, 0) != 0) {  // what a killed ingest left
     const int error = errno;

@@ -29,9 +29,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Local files that hold elevation. Drivers that fetch, run or bundle other things stay out.
-constexpr std::array<const char*, 16> kDrivers{
-    "GTiff",   "VRT",  "SRTMHGT", "AAIGrid", "EHdr", "ENVI",  "USGSDEM", "BT",
-    "HFA",     "DTED", "netCDF",  "PNG",     "GSAG", "GSBG",  "GS7BG",   nullptr};
+constexpr std::array<const char*, 16> kDrivers{"GTiff",   "VRT",  "SRTMHGT", "AAIGrid", "EHdr",   "ENVI",
+                                               "USGSDEM", "BT",   "HFA",     "DTED",    "netCDF", "PNG",
+                                               "GSAG",    "GSBG", "GS7BG",   nullptr};
 constexpr std::string_view kFormats =
     "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, "
     "netCDF, PNG, Surfer grids";
@@ -68,16 +68,17 @@ fs::path regular_file(const fs::path& file) {
   if (error && is_address(file.string())) {
     throw Failure(Cause::unsupported,
                   fmt::format("{} is not a local file; Talus opens plain raster files only, so fetch or unpack "
-                              "it first", file.string()));
+                              "it first",
+                              file.string()));
   }
   if (file.empty() || error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory) {
-    throw Failure(Cause::not_found, fmt::format("there is no file {}", file.empty() ? "without a name" : file.string()));
+    throw Failure(Cause::not_found,
+                  fmt::format("there is no file {}", file.empty() ? "without a name" : file.string()));
   }
   if (error) throw Failure(Cause::io, fmt::format("cannot look at {}: {}", file.string(), error.message()));
   if (!fs::is_regular_file(real, error)) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is {}, not a raster file", file.string(),
-                              fs::is_directory(real, error) ? "a folder" : "a device or a pipe"));
+    throw Failure(Cause::unsupported, fmt::format("{} is {}, not a raster file", file.string(),
+                                                  fs::is_directory(real, error) ? "a folder" : "a device or a pipe"));
   }
   if (real.string().starts_with("/vsi")) {
     throw Failure(Cause::unsupported, fmt::format("{} lies where GDAL sees a virtual file system", real.string()));
@@ -103,8 +104,7 @@ class Guard {
   std::string identify(const fs::path& file) const {
     GDALDriverH driver = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, kDrivers.data(), nullptr);
     if (driver == nullptr) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is not a raster Talus reads ({})", file.string(), kFormats));
+      throw Failure(Cause::unsupported, fmt::format("{} is not a raster Talus reads ({})", file.string(), kFormats));
     }
     return GDALGetDriverShortName(driver);
   }
@@ -139,20 +139,22 @@ class Guard {
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
       throw Failure(Cause::unsupported,
                     fmt::format("{} names a separate overview file, which Talus does not follow; copy it with "
-                                "gdal_translate first", file.string()));
+                                "gdal_translate first",
+                                file.string()));
     }
   }
 
   void check_vrt(const fs::path& vrt) {
     if (open_.size() >= kDeepestVrt) {
       throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster nested {} deep; {} is the most Talus "
-                                                    "follows", vrt.string(), open_.size() + 1, kDeepestVrt));
+                                                    "follows",
+                                                    vrt.string(), open_.size() + 1, kDeepestVrt));
     }
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(vrt, error);
     if (error || bytes > kLargestVrt) {
-      throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster of more than {} bytes", vrt.string(),
-                                                    kLargestVrt));
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} is a virtual raster of more than {} bytes", vrt.string(), kLargestVrt));
     }
     GdalScope gdal;
     const std::unique_ptr<CPLXMLNode, FreeXml> xml{CPLParseXMLFile(vrt.c_str())};
@@ -173,8 +175,8 @@ class Guard {
       if (node->eType == CXT_Attribute && is_one_of(node->pszValue, {"rasterXSize", "rasterYSize"})) continue;
       if (node->eType == CXT_Comment || node->eType == CXT_Text) continue;
       if (node->eType == CXT_Element) {
-        if (is_one_of(node->pszValue, {"SRS", "GeoTransform", "Metadata", "OverviewList", "BlockXSize",
-                                       "BlockYSize"})) {
+        if (is_one_of(node->pszValue,
+                      {"SRS", "GeoTransform", "Metadata", "OverviewList", "BlockXSize", "BlockYSize"})) {
           continue;
         }
         if (EQUAL(node->pszValue, "VRTRasterBand")) {
@@ -207,9 +209,9 @@ class Guard {
         if (EQUAL(node->pszValue, "subClass") && EQUAL(value, "VRTSourcedRasterBand")) continue;
         refuse(vrt, EQUAL(node->pszValue, "subClass") ? value : node->pszValue);
       }
-      if (is_one_of(node->pszValue, {"Description", "UnitType", "Offset", "Scale", "CategoryNames", "ColorInterp",
-                                     "ColorTable", "Metadata", "NoDataValue", "HideNoDataValue", "Histograms",
-                                     "GDALRasterAttributeTable"})) {
+      if (is_one_of(node->pszValue,
+                    {"Description", "UnitType", "Offset", "Scale", "CategoryNames", "ColorInterp", "ColorTable",
+                     "Metadata", "NoDataValue", "HideNoDataValue", "Histograms", "GDALRasterAttributeTable"})) {
         continue;
       }
       if (is_one_of(node->pszValue, {"SimpleSource", "ComplexSource"})) {
@@ -242,15 +244,16 @@ class Guard {
     if (text == nullptr) refuse(vrt, "SourceFilename without a name");
     const fs::path name = text->pszValue;
     if (is_address(name.string())) {
-      throw Failure(Cause::unsupported, fmt::format("{} has the source {}, which is not a local file", vrt.string(),
-                                                    name.string()));
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} has the source {}, which is not a local file", vrt.string(), name.string()));
     }
     const bool beside = std::atoi(CPLGetXMLValue(&element, "relativeToVRT", "0")) != 0;  // as GDAL reads it
     const fs::path real = regular_file(beside ? vrt.parent_path() / name : name);
     if (!lies_below(real, vrt.parent_path())) {
       throw Failure(Cause::unsupported,
                     fmt::format("{} has the source {}, which lies outside its folder; put the sources below the "
-                                "virtual raster", vrt.string(), real.string()));
+                                "virtual raster",
+                                vrt.string(), real.string()));
     }
     if (std::find(open_.begin(), open_.end(), real) != open_.end()) {
       throw Failure(Cause::unsupported, fmt::format("{} is a source of itself", real.string()));
@@ -261,7 +264,8 @@ class Guard {
   [[noreturn]] static void refuse(const fs::path& vrt, std::string_view what) {
     throw Failure(Cause::unsupported,
                   fmt::format("{} is a virtual raster with {}; Talus takes plain bands of simple or complex sources "
-                              "only, so copy it with gdal_translate first", vrt.string(), what));
+                              "only, so copy it with gdal_translate first",
+                              vrt.string(), what));
   }
 
   std::set<fs::path> seen_;

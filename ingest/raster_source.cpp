@@ -42,7 +42,8 @@ void check_type(GDALRasterBandH band, const std::string& name) {
   if (!is_integer(type) && type != GDT_Float32 && type != GDT_Float64) {
     throw Failure(Cause::unsupported,
                   fmt::format("{} has samples of type {}; Talus takes Byte, Int16, UInt16, Int32, UInt32, Float32 and "
-                              "Float64 (gdal_translate -ot converts)", name, GDALGetDataTypeName(type)));
+                              "Float64 (gdal_translate -ot converts)",
+                              name, GDALGetDataTypeName(type)));
   }
   const char* signedness = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
   if (type == GDT_Byte && signedness != nullptr && std::string_view{signedness} == "SIGNEDBYTE") {
@@ -52,8 +53,7 @@ void check_type(GDALRasterBandH band, const std::string& name) {
 
 GridRect extent_of(GDALDatasetH dataset, const std::string& name) {
   const int cols = GDALGetRasterXSize(dataset), rows = GDALGetRasterYSize(dataset);
-  if (cols < 1 || rows < 1 || cols > kMaxExtent || rows > kMaxExtent ||
-      std::int64_t{cols} * rows > kMostSamples) {
+  if (cols < 1 || rows < 1 || cols > kMaxExtent || rows > kMaxExtent || std::int64_t{cols} * rows > kMostSamples) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("{} is {} x {} samples; at most {} a side and {} in all can be taken in", name, cols,
                               rows, kMaxExtent, kMostSamples));
@@ -79,15 +79,16 @@ Placement placement_of(GDALDatasetH dataset, GridRect extent, const std::string&
       std::abs(t[4]) * cols > kNegligibleShear * std::abs(t[5])) {
     throw Failure(Cause::unsupported,
                   fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}); gdalwarp makes it "
-                              "north-up", name, t[0], t[1], t[2], t[3], t[4], t[5]));
+                              "north-up",
+                              name, t[0], t[1], t[2], t[3], t[4], t[5]));
   }
-  Placement placed{{t[0] + 0.5 * t[1], t[3] + 0.5 * t[5], t[1], t[5]}, t[1] < 0, t[5] > 0};
+  Placement placed{{t[0] + 0.5 * t[1], t[3] + 0.5 * t[5], t[1], t[5]}, t[1]<0, t[5]> 0};
   GridMapping& m = placed.mapping;
   if (placed.mirrored) m.x0 += (cols - 1) * m.dx, m.dx = -m.dx;
   if (placed.south_up) m.y0 += (rows - 1) * m.dy, m.dy = -m.dy;
   const double x_end = m.x(extent.last.col), y_end = m.y(extent.last.row);
-  const bool distinct = m.dx > 0 && m.dy < 0 && std::isfinite(x_end) && std::isfinite(y_end) &&
-                        m.x0 + m.dx != m.x0 && x_end + m.dx != x_end && m.y0 + m.dy != m.y0 && y_end + m.dy != y_end;
+  const bool distinct = m.dx > 0 && m.dy < 0 && std::isfinite(x_end) && std::isfinite(y_end) && m.x0 + m.dx != m.x0 &&
+                        x_end + m.dx != x_end && m.y0 + m.dy != m.y0 && y_end + m.dy != y_end;
   if (!distinct) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("{} has cells of {} x {} at {}, {}: too small for doubles to tell apart", name, m.dx,
@@ -115,17 +116,25 @@ struct VerticalUnit {
   std::string_view name;
   double metres;
 };
-constexpr VerticalUnit kVerticalUnits[] = {
-    {"", 1},                  {"m", 1},
-    {"metre", 1},             {"metres", 1},
-    {"meter", 1},             {"meters", 1},
-    {"km", 1000},             {"dm", 0.1},
-    {"cm", 0.01},             {"mm", 0.001},
-    {"ft", 0.3048},           {"foot", 0.3048},
-    {"feet", 0.3048},         {"international foot", 0.3048},
-    {"us-ft", 1200.0 / 3937}, {"ft-us", 1200.0 / 3937},
-    {"ftus", 1200.0 / 3937},  {"us survey foot", 1200.0 / 3937},
-    {"us survey feet", 1200.0 / 3937}};
+constexpr VerticalUnit kVerticalUnits[] = {{"", 1},
+                                           {"m", 1},
+                                           {"metre", 1},
+                                           {"metres", 1},
+                                           {"meter", 1},
+                                           {"meters", 1},
+                                           {"km", 1000},
+                                           {"dm", 0.1},
+                                           {"cm", 0.01},
+                                           {"mm", 0.001},
+                                           {"ft", 0.3048},
+                                           {"foot", 0.3048},
+                                           {"feet", 0.3048},
+                                           {"international foot", 0.3048},
+                                           {"us-ft", 1200.0 / 3937},
+                                           {"ft-us", 1200.0 / 3937},
+                                           {"ftus", 1200.0 / 3937},
+                                           {"us survey foot", 1200.0 / 3937},
+                                           {"us survey feet", 1200.0 / 3937}};
 
 double metres_per(const std::string& unit, const std::string& name) {
   for (const VerticalUnit& known : kVerticalUnits) {
@@ -133,7 +142,8 @@ double metres_per(const std::string& unit, const std::string& name) {
   }
   throw Failure(Cause::unsupported,
                 fmt::format("{} has heights in \"{}\"; Talus knows m, km, dm, cm, mm, ft and us-ft (gdal_edit.py or a "
-                            "virtual raster can say so)", name, unit));
+                            "virtual raster can say so)",
+                            name, unit));
 }
 
 double scale_or_offset(double value, bool is_scale, const std::string& name) {
@@ -179,7 +189,7 @@ struct RasterSource::Gdal {
   GDALRasterBandH band = nullptr;
   GDALRasterBandH mask = nullptr;  // null where nodata says it all
   std::optional<double> nodata;
-  double scale = 1, offset = 0;    // of floats; those of integers are in the step
+  double scale = 1, offset = 0;  // of floats; those of integers are in the step
   bool mirrored = false, south_up = false;
 
   template <class T>
@@ -253,10 +263,10 @@ int RasterSource::bands() const { return GDALGetRasterCount(gdal_->dataset.get()
 CodeWindow RasterSource::read_codes(GridRect part) const {
   const GridRect& extent = description_.extent;
   if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("columns {} to {}, rows {} to {} are not a part of {}, which has {} x {} samples",
-                              part.first.col, part.last.col, part.first.row, part.last.row, gdal_->name,
-                              extent.cols(), extent.rows()));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("columns {} to {}, rows {} to {} are not a part of {}, which has {} x {} samples", part.first.col,
+                    part.last.col, part.first.row, part.last.row, gdal_->name, extent.cols(), extent.rows()));
   }
   CodeWindow window;
   window.region = part;
@@ -279,8 +289,9 @@ CodeWindow RasterSource::read_codes(GridRect part) const {
       const auto cols = static_cast<std::size_t>(part.cols());
       throw Failure(Cause::invalid_argument,
                     fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down); "
-                                "if it means no data, declare it: gdal_translate -a_nodata", gdal_->name, value,
-                                description_.vertical_unit, part.first.col + static_cast<std::int64_t>(i % cols),
+                                "if it means no data, declare it: gdal_translate -a_nodata",
+                                gdal_->name, value, description_.vertical_unit,
+                                part.first.col + static_cast<std::int64_t>(i % cols),
                                 part.first.row + static_cast<std::int64_t>(i / cols), kLargestHeight));
     }
   }

@@ -15,8 +15,8 @@ namespace talus {
 /// Samples of a rectangle as height codes of the raster's step, row by row from the north.
 struct CodeWindow {
   GridRect region{{0, 0}, {-1, -1}};
-  std::vector<double> codes;         ///< unspecified where void
-  std::vector<std::uint8_t> valid;   ///< 1 where the sample is data
+  std::vector<double> codes;        ///< unspecified where void
+  std::vector<std::uint8_t> valid;  ///< 1 where the sample is data
 
   [[nodiscard]] std::size_t index(GridPoint p) const {
     return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +

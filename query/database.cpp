@@ -1,9 +1,9 @@
 #include "talus/database.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
 #include "query/snapshot_view.hpp"
@@ -53,19 +53,21 @@ StorageSummary Snapshot::storage() const {
 GridRect Snapshot::region(const Rectangle& r) const {
   const Description& d = description();
   const auto text = fmt::format("{},{},{},{}", r.xmin, r.ymin, r.xmax, r.ymax);
-  if (!(r.xmin < r.xmax) || !(r.ymin < r.ymax) || !std::isfinite(r.xmin) || !std::isfinite(r.ymin) || !std::isfinite(r.xmax) ||
-      !std::isfinite(r.ymax)) {
+  if (!(r.xmin < r.xmax) || !(r.ymin < r.ymax) || !std::isfinite(r.xmin) || !std::isfinite(r.ymin) ||
+      !std::isfinite(r.xmax) || !std::isfinite(r.ymax)) {
     throw Failure(Cause::invalid_argument, fmt::format("rectangle {}: expected xmin < xmax and ymin < ymax", text));
   }
   // Outward to grid lines; a coordinate within 10⁻⁶ cell of a line is on it.
   constexpr double kOnLine = 1e-6;
   const GridMapping& m = d.mapping;
   const double west = std::floor((r.xmin - m.x0) / m.dx + kOnLine), east = std::ceil((r.xmax - m.x0) / m.dx - kOnLine);
-  const double north = std::floor((r.ymax - m.y0) / m.dy + kOnLine), south = std::ceil((r.ymin - m.y0) / m.dy - kOnLine);
+  const double north = std::floor((r.ymax - m.y0) / m.dy + kOnLine),
+               south = std::ceil((r.ymin - m.y0) / m.dy - kOnLine);
   const GridRect& e = d.extent;
   const double first_col = std::max<double>(west, e.first.col), last_col = std::min<double>(east, e.last.col);
   const double first_row = std::max<double>(north, e.first.row), last_row = std::min<double>(south, e.last.row);
-  const bool thin = e.first.col == e.last.col || e.first.row == e.last.row;  // a raster one sample wide has no area anyway
+  const bool thin =
+      e.first.col == e.last.col || e.first.row == e.last.row;  // a raster one sample wide has no area anyway
   if (first_col > last_col || first_row > last_row || (!thin && (first_col == last_col || first_row == last_row))) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("rectangle {}: nothing in common with the raster, whose samples span {},{},{},{}", text,

@@ -1,12 +1,12 @@
 #include "query/range_query.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <set>
+
+#include <fmt/format.h>
 
 #include "engine/border.hpp"
 #include "engine/vertex_error.hpp"
@@ -24,7 +24,7 @@ double largest_residual_within(double tolerance_m, const CodeDistance& distance,
   if (!within(0)) return -1;
   double low = 0, high = std::numeric_limits<double>::max();
   if (within(high)) return high;
-  for (double middle = 1; ; middle = low + (high - low) / 2) {
+  for (double middle = 1;; middle = low + (high - low) / 2) {
     if (middle <= low || middle >= high) return low;
     (within(middle) ? low : high) = middle;
   }
@@ -33,10 +33,15 @@ double largest_residual_within(double tolerance_m, const CodeDistance& distance,
 class RangeQuery {
  public:
   RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance)
-      : pages_(pages), manifest_(pages.manifest()), region_(region), tolerance_(tolerance.value),
-        threshold_(largest_code_within(tolerance.value)), margin_m_(manifest_.exact ? 0 : kRoundingMargin),
+      : pages_(pages),
+        manifest_(pages.manifest()),
+        region_(region),
+        tolerance_(tolerance.value),
+        threshold_(largest_code_within(tolerance.value)),
+        margin_m_(manifest_.exact ? 0 : kRoundingMargin),
         largest_residual_(largest_residual_within(tolerance.value, pages.distance(), margin_m_)),
-        vertices_(region), cost_(pages.cost_of_header()) {}
+        vertices_(region),
+        cost_(pages.cost_of_header()) {}
 
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
@@ -109,14 +114,16 @@ class RangeQuery {
       return true;
     };
     const auto stored = [&](std::int32_t col, std::int32_t row, std::size_t i) {
-      if (!decide(col, row, i, page.errors[i] > threshold_)) largest_absent_ = std::max(largest_absent_, page.errors[i]);
+      if (!decide(col, row, i, page.errors[i] > threshold_))
+        largest_absent_ = std::max(largest_absent_, page.errors[i]);
     };
     for (std::int32_t row = first_row; row <= last_row; ++row) {
       const bool row_coarser = ((row + grid.first.row) & coarser) == 0 && !coarsest;
       const std::size_t line = page.index(0, row);
       if (!page.implied_midpoints) {
         for (std::int32_t col = first_col; col <= last_col; ++col) {
-          if (!row_coarser || ((col + grid.first.col) & coarser) != 0) stored(col, row, line + static_cast<std::size_t>(col));
+          if (!row_coarser || ((col + grid.first.col) & coarser) != 0)
+            stored(col, row, line + static_cast<std::size_t>(col));
         }
         continue;
       }
@@ -156,7 +163,8 @@ class RangeQuery {
     bool all_covered = true;
     for (const Found& page : found_) {
       count += page.at.size();
-      all_covered = all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
+      all_covered =
+          all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
     }
     keep_found_only(count);
     answer.heights.resize(count);
@@ -212,10 +220,11 @@ class RangeQuery {
 void require_inside(const StoredPages& pages, GridRect region) {
   const GridRect& extent = pages.manifest().description.extent;
   if (region.cols() < 1 || region.rows() < 1 || !extent.contains(region.first) || !extent.contains(region.last)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("region of columns {} to {}, rows {} to {}: expected one within columns {} to {}, rows {} to {}",
-                              region.first.col, region.last.col, region.first.row, region.last.row, extent.first.col,
-                              extent.last.col, extent.first.row, extent.last.row));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("region of columns {} to {}, rows {} to {}: expected one within columns {} to {}, rows {} to {}",
+                    region.first.col, region.last.col, region.first.row, region.last.row, extent.first.col,
+                    extent.last.col, extent.first.row, extent.last.row));
   }
 }
 
@@ -236,7 +245,8 @@ void copy_samples(const Page& page, const HeightStep& step, SampleWindow& to) {
 Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance) {
   require_inside(pages, region);
   if (!(tolerance.value >= 0)) {
-    throw Failure(Cause::invalid_argument, fmt::format("tolerance {} m: expected a number of metres, 0 or more", tolerance.value));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("tolerance {} m: expected a number of metres, 0 or more", tolerance.value));
   }
   return RangeQuery(pages, region, tolerance).run();
 }

@@ -21,7 +21,8 @@ StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file
 const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost) const {
   const auto bytes = txn_.find({id.band, curve_position(id)});
   if (!bytes) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band));
+    throw Failure(Cause::corrupt,
+                  fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band));
   }
   ++cost.pages_read;
   cost.bytes_read += bytes->size() + kChecksumBytes;

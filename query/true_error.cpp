@@ -39,7 +39,7 @@ class Facet {
   // Calls visit(col, height of the surface) for the grid points of a row that lie in the triangle.
   template <class Visit>
   void for_row(std::int32_t row, Visit&& visit) const {
-    if (area_ == 0) return;  // covers nothing
+    if (area_ == 0) return;                         // covers nothing
     std::array<std::int64_t, 3> weight{}, slope{};  // at column 0, and per column
     std::int64_t first = std::min({corner_[0].col, corner_[1].col, corner_[2].col});
     std::int64_t last = std::max({corner_[0].col, corner_[1].col, corner_[2].col});

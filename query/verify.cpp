@@ -1,9 +1,9 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <limits>
 #include <unordered_map>
+
+#include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
 #include "query/snapshot_view.hpp"
@@ -30,7 +30,8 @@ class Verification {
       for (const auto& [position, entry] : below_) {
         if (band == 0) break;
         const PageId parent = parent_page(page_at(band - 1, position));
-        if (!entries.contains(curve_position(parent))) find(fmt::format("{}: the page above it is missing", name(page_at(band - 1, position))));
+        if (!entries.contains(curve_position(parent)))
+          find(fmt::format("{}: the page above it is missing", name(page_at(band - 1, position))));
       }
       below_ = std::move(entries);
     }
@@ -40,7 +41,8 @@ class Verification {
   /// Strip by strip, the height of a page each.
   void samples(const SampleReader& truth) {
     for (std::int32_t row = extent_.first.row; row <= extent_.last.row; row += kPageSide) {
-      const GridRect strip{{extent_.first.col, row}, {extent_.last.col, std::min(row + kPageSide - 1, extent_.last.row)}};
+      const GridRect strip{{extent_.first.col, row},
+                           {extent_.last.col, std::min(row + kPageSide - 1, extent_.last.row)}};
       const SampleWindow expected = truth(strip);
       SampleWindow stored;
       try {
@@ -106,7 +108,8 @@ class Verification {
       if ((found != below_.end()) != said.present) {
         find(fmt::format("{}: {}", name(below), said.present ? "missing" : "unknown to the page above it"));
       } else if (said.present && said.largest != found->second.largest) {
-        find(fmt::format("{}: largest error {} m, the page above it says {} m", name(below), error_of(found->second.largest), error_of(said.largest)));
+        find(fmt::format("{}: largest error {} m, the page above it says {} m", name(below),
+                         error_of(found->second.largest), error_of(said.largest)));
       } else if (said.present && (said.lowest != found->second.lowest || said.highest != found->second.highest)) {
         find(fmt::format("{}: heights {} to {}, the page above it says {} to {}", name(below), found->second.lowest,
                          found->second.highest, said.lowest, said.highest));
@@ -117,7 +120,8 @@ class Verification {
   }
 
   [[nodiscard]] ErrorCode error_in(const Page& page, GridPoint p, std::int32_t col, std::int32_t row) const {
-    if (page.is_implied(p, col, row)) return error_code(page.implied_error(p, col, row, pages_.distance(), pages_.manifest().exact));
+    if (page.is_implied(p, col, row))
+      return error_code(page.implied_error(p, col, row, pages_.distance(), pages_.manifest().exact));
     return page.errors[page.index(col, row)];
   }
 
@@ -130,8 +134,8 @@ class Verification {
       if (col < 0 || row < 0 || col >= g.cols || row >= g.rows || !page.is_own(parent)) continue;
       const ErrorCode above = error_in(page, parent, col, row);
       if (above < own) {
-        find(fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex that depends on it", name(page.id),
-                         error_of(above), parent.col, parent.row, error_of(own)));
+        find(fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex that depends on it",
+                         name(page.id), error_of(above), parent.col, parent.row, error_of(own)));
       }
     }
   }
@@ -140,14 +144,15 @@ class Verification {
     for (std::size_t i = 0; i < expected.values.size(); ++i) {
       ++report.samples;
       const bool data = expected.valid[i] != 0;
-      if (data == (stored.valid[i] != 0) &&
-          (!data || std::bit_cast<std::uint64_t>(stored.values[i]) == std::bit_cast<std::uint64_t>(expected.values[i]))) {
+      if (data == (stored.valid[i] != 0) && (!data || std::bit_cast<std::uint64_t>(stored.values[i]) ==
+                                                          std::bit_cast<std::uint64_t>(expected.values[i]))) {
         continue;
       }
       const auto cols = static_cast<std::size_t>(stored.region.cols());
       const auto text = [](bool valid, double v) { return valid ? fmt::format("{}", v) : std::string("void"); };
       find(fmt::format("sample at column {}, row {}: {} is stored, the source has {}",
-                       stored.region.first.col + static_cast<std::int64_t>(i % cols), stored.region.first.row + static_cast<std::int64_t>(i / cols),
+                       stored.region.first.col + static_cast<std::int64_t>(i % cols),
+                       stored.region.first.row + static_cast<std::int64_t>(i / cols),
                        text(stored.valid[i] != 0, stored.values[i]), text(data, expected.values[i])));
     }
   }

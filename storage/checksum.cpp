@@ -1,8 +1,8 @@
 #include "storage/checksum.hpp"
 
-#include <xxhash.h>
-
 #include <array>
+
+#include <xxhash.h>
 
 namespace talus {
 

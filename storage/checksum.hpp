@@ -1,8 +1,8 @@
 #pragma once
 // XXH3 over a page's key and content. LMDB notices no damage; this does.
 
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "storage/page_store.hpp"

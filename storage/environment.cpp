@@ -1,14 +1,14 @@
 #include "storage/environment.hpp"
 
-#include <fmt/format.h>
-#include <lmdb.h>
-#include <sys/stat.h>
-
 #include <cerrno>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <utility>
+
+#include <fmt/format.h>
+#include <lmdb.h>
+#include <sys/stat.h>
 
 #include "storage/structure.hpp"
 #include "talus/failure.hpp"
@@ -19,10 +19,17 @@ void check(int code, const char* doing, const std::filesystem::path& file) {
   if (code == MDB_SUCCESS) return;
   const std::string sentence = fmt::format("{}: {}: {}", file.string(), doing, mdb_strerror(code));
   switch (code) {
-    case ENOSPC: case EDQUOT: case MDB_MAP_FULL:
-      throw Failure(Cause::full, fmt::format("{}: the disk is full; free some space or write elsewhere", file.string()));
+    case ENOSPC:
+    case EDQUOT:
+    case MDB_MAP_FULL:
+      throw Failure(Cause::full,
+                    fmt::format("{}: the disk is full; free some space or write elsewhere", file.string()));
     case ENOENT: throw Failure(Cause::not_found, sentence);
-    case MDB_INVALID: case MDB_VERSION_MISMATCH: case MDB_CORRUPTED: case MDB_PAGE_NOTFOUND: case MDB_INCOMPATIBLE:
+    case MDB_INVALID:
+    case MDB_VERSION_MISMATCH:
+    case MDB_CORRUPTED:
+    case MDB_PAGE_NOTFOUND:
+    case MDB_INCOMPATIBLE:
       throw Failure(Cause::corrupt, fmt::format("corrupt: {}: {}", file.string(), mdb_strerror(code)));
     default: throw Failure(Cause::io, sentence);
   }
@@ -40,12 +47,13 @@ class OpenFiles {
  public:
   std::shared_ptr<PageStore::Environment> open(const std::filesystem::path& file) {
     const std::lock_guard lock(mutex_);
-    struct stat status{};
+    struct stat status {};
     if (::stat(file.c_str(), &status) != 0) {
       throw Failure(errno == ENOENT || errno == ENOTDIR ? Cause::not_found : Cause::io,
                     fmt::format("{}: {}", file.string(), std::strerror(errno)));
     }
-    if (!S_ISREG(status.st_mode)) throw Failure(Cause::corrupt, fmt::format("{}: not a database: not a regular file", file.string()));
+    if (!S_ISREG(status.st_mode))
+      throw Failure(Cause::corrupt, fmt::format("{}: not a database: not a regular file", file.string()));
     const auto key = std::pair{status.st_dev, status.st_ino};
     if (auto shared = open_[key].lock()) return shared;
     auto made = make(file, static_cast<std::uint64_t>(status.st_size));
@@ -63,7 +71,8 @@ class OpenFiles {
     check(mdb_env_create(&env), "create environment", file);
     made->env.reset(env);
     check(mdb_env_set_maxdbs(env, kMaxTables), "set tables", file);
-    check(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_RDONLY | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0), "open", file);
+    check(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_RDONLY | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0),
+          "open", file);
     made->file = file;
     made->file_bytes = bytes;
     open_tables(*made);

@@ -1,15 +1,15 @@
 #include "storage/structure.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <optional>
 #include <set>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
@@ -41,11 +41,12 @@ struct Meta {
 class File {
  public:
   explicit File(const std::filesystem::path& path) : path_(path), handle_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    struct stat status{};
+    struct stat status {};
     if (handle_ < 0 || ::fstat(handle_, &status) != 0) {
       const int error = errno;
       if (handle_ >= 0) ::close(handle_);
-      throw Failure(error == ENOENT ? Cause::not_found : Cause::io, fmt::format("{}: {}", path.string(), std::strerror(error)));
+      throw Failure(error == ENOENT ? Cause::not_found : Cause::io,
+                    fmt::format("{}: {}", path.string(), std::strerror(error)));
     }
     size_ = static_cast<std::uint64_t>(status.st_size);
   }
@@ -92,7 +93,8 @@ class Walk {
     page_bytes_ = first.trees[0].pad;
     if (first.magic != kMagic) return fail("no LMDB header");
     if (first.version != kDataVersion) return fail("another LMDB version");
-    if (page_bytes_ < 512 || page_bytes_ > 65536 || (page_bytes_ & (page_bytes_ - 1)) != 0) return fail("impossible page size");
+    if (page_bytes_ < 512 || page_bytes_ > 65536 || (page_bytes_ & (page_bytes_ - 1)) != 0)
+      return fail("impossible page size");
     if (file_.size() < 2 * page_bytes_) return fail("shorter than two headers");
     for (const std::uint64_t number : {0u, 1u}) {
       std::array<std::byte, kPageHeader + sizeof(Meta)> bytes{};
@@ -106,9 +108,11 @@ class Walk {
     }
     pages_ = newest->last_page + 1;
     if (newest->last_page >= (std::uint64_t{1} << 47) / page_bytes_ || pages_ * page_bytes_ > file_.size()) {
-      return fail(fmt::format("{} bytes long where {} pages of {} are needed: cut short", file_.size(), pages_, page_bytes_));
+      return fail(
+          fmt::format("{} bytes long where {} pages of {} are needed: cut short", file_.size(), pages_, page_bytes_));
     }
-    if (newest->map_size < pages_ * page_bytes_ || newest->map_size > std::uint64_t{1} << 47) return fail("impossible map size");
+    if (newest->map_size < pages_ * page_bytes_ || newest->map_size > std::uint64_t{1} << 47)
+      return fail("impossible map size");
     return newest;
   }
 
@@ -149,14 +153,16 @@ class Walk {
     }
     std::vector<std::byte> page(page_bytes_);
     file_.read(number * page_bytes_, page.data(), page.size());
-    const auto flags = load<std::uint16_t>(&page[10]), lower = load<std::uint16_t>(&page[12]), upper = load<std::uint16_t>(&page[14]);
+    const auto flags = load<std::uint16_t>(&page[10]), lower = load<std::uint16_t>(&page[12]),
+               upper = load<std::uint16_t>(&page[14]);
     const bool leaf = depth == 1;
     if (load<std::uint64_t>(page.data()) != number || flags != (leaf ? kLeaf : kBranch)) {
       fail(fmt::format("page {} is not what its parent says", number));
       return;
     }
     if (lower < kPageHeader || lower > upper || upper > page_bytes_ || (lower & 1) != 0 ||
-        lower < kPageHeader + (leaf ? 2 : 4)) {  // an empty tree has no root: LMDB counts on a node here, on two in branches
+        lower < kPageHeader +
+                    (leaf ? 2 : 4)) {  // an empty tree has no root: LMDB counts on a node here, on two in branches
       fail(fmt::format("page {}: impossible fill", number));
       return;
     }
@@ -238,7 +244,8 @@ void refuse_unsound(const std::filesystem::path& file) {
     walk.trees(*meta);
   }
   if (!walk.findings().empty()) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: {}: not a database or damaged: {}", file.string(), walk.findings().front()));
+    throw Failure(Cause::corrupt,
+                  fmt::format("corrupt: {}: not a database or damaged: {}", file.string(), walk.findings().front()));
   }
 }
 

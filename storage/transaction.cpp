@@ -1,8 +1,8 @@
-#include <fmt/format.h>
-#include <lmdb.h>
-
 #include <array>
 #include <cerrno>
+
+#include <fmt/format.h>
+#include <lmdb.h>
 
 #include "storage/checksum.hpp"
 #include "storage/environment.hpp"
@@ -63,8 +63,8 @@ std::optional<std::span<const std::byte>> ReadTxn::find(PageKey key) const {
   if (code == MDB_NOTFOUND) return std::nullopt;
   check(code, "read", impl_->file());
   const auto corrupt = [&](const char* what) {
-    return Failure(Cause::corrupt, fmt::format("corrupt: {}: page {:#x} of {}: {}", impl_->file().string(), key.position,
-                                               table_name(key.table), what));
+    return Failure(Cause::corrupt, fmt::format("corrupt: {}: page {:#x} of {}: {}", impl_->file().string(),
+                                               key.position, table_name(key.table), what));
   };
   if (value.mv_size < kChecksumBytes) throw corrupt("shorter than its checksum");
   const std::span stored(static_cast<const std::byte*>(value.mv_data), value.mv_size);
@@ -158,7 +158,8 @@ PageWriter::PageWriter(std::filesystem::path file) : impl_(std::make_unique<Impl
   check(mdb_env_set_maxdbs(env, kMaxTables), "set tables", impl_->file);
   check(mdb_env_set_mapsize(env, impl_->map_bytes), "set map size", impl_->file);
   // Nobody else knows the file yet: no lock file.
-  check(mdb_env_open(env, impl_->file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0644), "create", impl_->file);
+  check(mdb_env_open(env, impl_->file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0644), "create",
+        impl_->file);
 }
 
 PageWriter::~PageWriter() = default;

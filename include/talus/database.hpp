@@ -108,13 +108,13 @@ class Database {
 
 /// What a check found. Empty `findings` means sound; each finding is a sentence naming page or sample.
 struct VerifyReport {
-  std::uint64_t pages = 0, samples = 0;     ///< checked
-  std::vector<std::string> findings;        ///< at most 20 are spelled out
+  std::uint64_t pages = 0, samples = 0;  ///< checked
+  std::vector<std::string> findings;     ///< at most 20 are spelled out
   std::uint64_t finding_count = 0;
-  std::optional<Metres> true_error;         ///< of the answer, by brute force, if a tolerance was given
+  std::optional<Metres> true_error;  ///< of the answer, by brute force, if a tolerance was given
   std::uint64_t vertices = 0, triangles = 0;
   std::uint64_t covered_samples = 0, uncovered_samples = 0;  ///< see Snapshot::range; none may be uncovered
-  std::uint64_t stray_samples = 0;          ///< valid, in no valid finest triangle, and under no triangle
+  std::uint64_t stray_samples = 0;  ///< valid, in no valid finest triangle, and under no triangle
 };
 
 /// Reads a rectangle of the truth to compare with.

@@ -24,22 +24,22 @@ struct HeightStep {
 struct Description {
   GridRect extent{{0, 0}, {-1, -1}};  ///< all samples, outermost rows and columns included
   GridMapping mapping;
-  std::string crs_wkt;                ///< empty: none, cells count as metres
-  std::string source_name;            ///< file name of the source, without its folder
-  std::string source_type;            ///< GDAL's name of the sample type: Int16, Float32 …
-  std::string vertical_unit;          ///< as the source says it; "metre" where it says nothing
-  double metres_per_unit = 1;         ///< of the vertical unit
+  std::string crs_wkt;         ///< empty: none, cells count as metres
+  std::string source_name;     ///< file name of the source, without its folder
+  std::string source_type;     ///< GDAL's name of the sample type: Int16, Float32 …
+  std::string vertical_unit;   ///< as the source says it; "metre" where it says nothing
+  double metres_per_unit = 1;  ///< of the vertical unit
   HeightStep step;
-  double minimum = 0, maximum = 0;    ///< heights of valid samples, in the vertical unit
+  double minimum = 0, maximum = 0;  ///< heights of valid samples, in the vertical unit
   std::uint64_t void_samples = 0;
-  double void_weight = 1;             ///< see IngestOptions
+  double void_weight = 1;  ///< see IngestOptions
 };
 
 /// Samples of a rectangle, row by row from the north.
 struct SampleWindow {
   GridRect region{{0, 0}, {-1, -1}};
-  std::vector<double> values;         ///< in the vertical unit; unspecified where void
-  std::vector<std::uint8_t> valid;    ///< 1 where the sample is data
+  std::vector<double> values;       ///< in the vertical unit; unspecified where void
+  std::vector<std::uint8_t> valid;  ///< 1 where the sample is data
 
   [[nodiscard]] std::size_t index(GridPoint p) const {
     return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +

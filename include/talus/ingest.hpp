@@ -22,8 +22,8 @@ struct IngestOptions {
 
 struct IngestReport {
   Description description;
-  std::uint64_t pages = 0;   ///< pages written
-  std::uint64_t bytes = 0;   ///< size of the database file
+  std::uint64_t pages = 0;  ///< pages written
+  std::uint64_t bytes = 0;  ///< size of the database file
   double seconds = 0;
 };
 
@@ -32,7 +32,8 @@ struct IngestReport {
 /// input     a local raster file GDAL reads: Byte, Int16, UInt16, Int32, UInt32, Float32 or Float64, one band
 ///           (the first is taken), nodata and NaN are voids; heights within ±10⁶ metres
 /// database  the file to make; work happens in `database`.part and is renamed at the end
-/// fails     not_found, unsupported (driver, type, rotation, more samples than memory), invalid_argument (no band, all void, a value
+/// fails     not_found, unsupported (driver, type, rotation, more samples than memory), invalid_argument (no band, all
+/// void, a value
 ///           that is no height, database exists), full, io; nothing is left behind
 /// cost      memory about 20 bytes a sample, checked beforehand; time about linear
 /// source    exact errors [P98 §5], saturation, pages docs/format/v1.md

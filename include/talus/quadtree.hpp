@@ -35,8 +35,7 @@ class VertexMask {
   /// How many members stand before p, row by row. p itself need not be a member.
   [[nodiscard, gnu::always_inline]] std::uint32_t rank(GridPoint p) const {
     const auto [word, bit] = place(p);
-    return before_[word] + static_cast<std::uint32_t>(
-        std::popcount(words_[word] & ((std::uint64_t{1} << bit) - 1)));
+    return before_[word] + static_cast<std::uint32_t>(std::popcount(words_[word] & ((std::uint64_t{1} << bit) - 1)));
   }
   /// The ranks of many points at once.
   void ranks(std::span<const GridPoint> points, std::span<std::uint32_t> out) const;
@@ -56,7 +55,10 @@ class VertexMask {
   }
 
  private:
-  struct Place { std::size_t word; unsigned bit; };
+  struct Place {
+    std::size_t word;
+    unsigned bit;
+  };
   [[nodiscard, gnu::always_inline]] Place place(GridPoint p) const {
     const auto col = static_cast<std::size_t>(std::int64_t{p.col} - region_.first.col);
     const auto row = static_cast<std::size_t>(std::int64_t{p.row} - region_.first.row);
@@ -71,14 +73,14 @@ class VertexMask {
 /// A set of vertices closed under the dependency graph. It needs no stored topology: its
 /// triangulation is unique and conforming. [P98 §3]
 struct RestrictedQuadtree {
-  VertexMask vertices;           ///< over the region that was answered
-  std::vector<double> heights;   ///< by rank, in the source's vertical unit
+  VertexMask vertices;          ///< over the region that was answered
+  std::vector<double> heights;  ///< by rank, in the source's vertical unit
   /// By rank, four bits a vertex: which of the four triangles with this vertex at their right angle
   /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
   std::vector<std::uint8_t> covers;
-  Metres tolerance;              ///< as asked
-  Metres bound;                  ///< no valid sample under the surface is farther from it; at most `tolerance`
-                                 ///< plus, where heights are no binary fractions, a nanometre of rounding
+  Metres tolerance;  ///< as asked
+  Metres bound;      ///< no valid sample under the surface is farther from it; at most `tolerance`
+                     ///< plus, where heights are no binary fractions, a nanometre of rounding
 };
 
 /// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.

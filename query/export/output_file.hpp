@@ -26,7 +26,7 @@ class OutputFile {
   void write(std::string_view text) { write(text.data(), text.size()); }
   /// A number's bytes, lowest first.
   template <class T>
-    requires std::integral<T> || std::floating_point<T>
+  requires std::integral<T> || std::floating_point<T>
   void write_little_endian(T number) {
     auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(number);
     if constexpr (std::endian::native == std::endian::big) {

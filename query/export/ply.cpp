@@ -14,17 +14,18 @@ void write_ply(const Mesh& mesh, const Description& description, OutputFile& out
                                                   "smaller rectangle or a larger tolerance",
                                                   std::numeric_limits<std::int32_t>::max(), mesh.points.size()));
   }
-  out.write(fmt::format("ply\n"
-                        "format binary_little_endian 1.0\n"
-                        "comment Talus\n"
-                        "element vertex {}\n"
-                        "property double x\n"
-                        "property double y\n"
-                        "property double z\n"
-                        "element face {}\n"
-                        "property list uchar int vertex_indices\n"
-                        "end_header\n",
-                        mesh.points.size(), mesh.triangles.size()));
+  out.write(
+      fmt::format("ply\n"
+                  "format binary_little_endian 1.0\n"
+                  "comment Talus\n"
+                  "element vertex {}\n"
+                  "property double x\n"
+                  "property double y\n"
+                  "property double z\n"
+                  "element face {}\n"
+                  "property list uchar int vertex_indices\n"
+                  "end_header\n",
+                  mesh.points.size(), mesh.triangles.size()));
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     out.write_little_endian(description.mapping.x(mesh.points[i].col));
     out.write_little_endian(description.mapping.y(mesh.points[i].row));

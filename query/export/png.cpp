@@ -24,13 +24,13 @@
 namespace talus {
 namespace {
 
-constexpr double kLongSide = 1600;       // pixels at most; never under half of it
-constexpr int kSub = 2;                  // subpixels a side
-constexpr double kLineWidth = 1.1;       // pixels
+constexpr double kLongSide = 1600;  // pixels at most; never under half of it
+constexpr int kSub = 2;             // subpixels a side
+constexpr double kLineWidth = 1.1;  // pixels
 constexpr double kLineOpacity = 0.5;
 constexpr double kFadeFrom = 7, kFadeTo = 2.5;  // pixels: triangles with shorter legs fade, and are gone
-constexpr double kTypicalSlope = 0.75;   // what the 90th percentile of slopes is exaggerated to
-constexpr double kOcean = -200;          // metres: data that goes this deep has a sea, and its level is 0
+constexpr double kTypicalSlope = 0.75;          // what the 90th percentile of slopes is exaggerated to
+constexpr double kOcean = -200;                 // metres: data that goes this deep has a sea, and its level is 0
 
 struct Colour {
   float r = 0, g = 0, b = 0;
@@ -58,7 +58,8 @@ constexpr std::array<Stop, 3> kSea{{{0.0F, {58, 96, 150}}, {0.6F, {112, 160, 196
 template <std::size_t N>
 Colour along(const std::array<Stop, N>& ramp, float at) {
   for (std::size_t i = 1; i < N; ++i) {
-    if (at <= ramp[i].at) return mix(ramp[i - 1].colour, ramp[i].colour, (at - ramp[i - 1].at) / (ramp[i].at - ramp[i - 1].at));
+    if (at <= ramp[i].at)
+      return mix(ramp[i - 1].colour, ramp[i].colour, (at - ramp[i - 1].at) / (ramp[i].at - ramp[i - 1].at));
   }
   return ramp.back().colour;
 }
@@ -117,9 +118,15 @@ struct Canvas {
     per_col = width / cols;
     per_row = height / rows;
   }
-  [[nodiscard]] double x(GridPoint p) const { return static_cast<double>(std::int64_t{p.col} - region.first.col) * per_col; }
-  [[nodiscard]] double y(GridPoint p) const { return static_cast<double>(std::int64_t{p.row} - region.first.row) * per_row; }
-  [[nodiscard]] std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  [[nodiscard]] double x(GridPoint p) const {
+    return static_cast<double>(std::int64_t{p.col} - region.first.col) * per_col;
+  }
+  [[nodiscard]] double y(GridPoint p) const {
+    return static_cast<double>(std::int64_t{p.row} - region.first.row) * per_row;
+  }
+  [[nodiscard]] std::size_t pixels() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
   [[nodiscard]] std::size_t at(int px, int py) const {
     return static_cast<std::size_t>(py) * static_cast<std::size_t>(width) + static_cast<std::size_t>(px);
   }
@@ -256,7 +263,8 @@ void draw_line(const Canvas& canvas, GridPoint from, GridPoint to, float strengt
   if (length == 0) return;
   const bool flat = std::abs(dx) >= std::abs(dy);
   const double along0 = flat ? x0 : y0, run = flat ? dx : dy, across0 = flat ? y0 : x0, rise = (flat ? dy : dx) / run;
-  const int along_end = (flat ? canvas.width : canvas.height) - 1, across_end = (flat ? canvas.height : canvas.width) - 1;
+  const int along_end = (flat ? canvas.width : canvas.height) - 1,
+            across_end = (flat ? canvas.height : canvas.width) - 1;
   const int first = std::max(0, static_cast<int>(std::lround(std::min(along0, along0 + run))));
   const int last = std::min(along_end, static_cast<int>(std::lround(std::max(along0, along0 + run))));
   for (int a = first; a <= last; ++a) {
@@ -286,7 +294,8 @@ std::vector<float> lines_of(const Mesh& mesh, const Canvas& canvas) {
   return cover;
 }
 
-std::vector<std::uint8_t> paint(const Mesh& mesh, const Description& description, const Canvas& canvas, CellSides cell) {
+std::vector<std::uint8_t> paint(const Mesh& mesh, const Description& description, const Canvas& canvas,
+                                CellSides cell) {
   const Relief relief = relief_of(mesh, canvas, cell);
   const Light light = light_for(relief, description.metres_per_unit);
   const std::vector<float> lines = lines_of(mesh, canvas);

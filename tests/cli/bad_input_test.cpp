@@ -310,14 +310,13 @@ TEST_F(BadQuery, AnOutputThatIsTheDatabase) {
 
 TEST_F(BadQuery, NamesThatAreEmpty) {
   make_raster("a.tif");
-  for (const auto& arguments :
-       std::vector<std::vector<std::string>>{{"ingest", "", "out.talus"},
-                                             {"ingest", "a.tif", ""},
-                                             {"info", ""},
-                                             {"query", "", "--tolerance=1"},
-                                             {"query", "a.talus", "--tolerance=1", "-o", ""},
-                                             {"verify", ""},
-                                             {"verify", "a.talus", "--against", ""}}) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"ingest", "", "out.talus"},
+                                                                     {"ingest", "a.tif", ""},
+                                                                     {"info", ""},
+                                                                     {"query", "", "--tolerance=1"},
+                                                                     {"query", "a.talus", "--tolerance=1", "-o", ""},
+                                                                     {"verify", ""},
+                                                                     {"verify", "a.talus", "--against", ""}}) {
     expect_refused(arguments, {usage}, {"file name"});
   }
 }

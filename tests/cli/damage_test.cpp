@@ -227,7 +227,8 @@ TEST_F(Command, AnIngestThatIsInterruptedLeavesNothing) {
   for (const std::string signal : {"TERM", "HUP"}) {
     RunOptions options;
     options.folder = folder.path().string();
-    const std::string start = std::string(TALUS_PROGRAM) + " ingest big.tif big.talus & while ! [ -e big.talus.part ]; do sleep 0.01; done; ";
+    const std::string start =
+        std::string(TALUS_PROGRAM) + " ingest big.tif big.talus & while ! [ -e big.talus.part ]; do sleep 0.01; done; ";
     const Outcome outcome = run_program({"sh", "-c", start + "kill -" + signal + " $!; wait $!"}, options);
     EXPECT_EQ(outcome.exit_code, 130) << signal << outcome.err;
     EXPECT_EQ(contents().size(), 1u) << signal;

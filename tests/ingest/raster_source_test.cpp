@@ -217,7 +217,8 @@ TEST_F(RasterSourceTest, AVirtualRasterOfItsOwnFolderIsRead) {
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::rename(folder_ / "dem.tif", folder_ / "tiles/dem.tif");
   write_vrt("inner.vrt", source("tiles/dem.tif"));
-  EXPECT_THAT(all_codes(RasterSource{write_vrt("outer.vrt", source("inner.vrt"))}).codes, ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(all_codes(RasterSource{write_vrt("outer.vrt", source("inner.vrt"))}).codes,
+              ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST_F(RasterSourceTest, AVirtualRasterThatReachesOutIsRefused) {
@@ -225,7 +226,8 @@ TEST_F(RasterSourceTest, AVirtualRasterThatReachesOutIsRefused) {
   const TempFolder elsewhere;
   write_raster(counting(), elsewhere / "far.tif");
   std::filesystem::create_symlink(elsewhere / "far.tif", folder_ / "link.tif");
-  write_text("net.xml", "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>http://localhost/</ServerUrl></Service></GDAL_WMS>");
+  write_text("net.xml",
+             "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>http://localhost/</ServerUrl></Service></GDAL_WMS>");
   const std::string derived = R"(dataType="Int16" band="1" subClass="VRTDerivedRasterBand")";
   const std::string raw = R"(dataType="Int16" band="1" subClass="VRTRawRasterBand")";
   const std::filesystem::path cases[] = {

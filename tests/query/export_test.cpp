@@ -1,5 +1,6 @@
 #include <array>
 #include <clocale>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -11,8 +12,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-
-#include <csignal>
 
 #include "query/export/writers.hpp"
 #include "talus/database.hpp"

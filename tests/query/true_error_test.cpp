@@ -13,7 +13,8 @@ namespace {
 using Height = std::function<double(std::int32_t col, std::int32_t row)>;
 using Valid = std::function<bool(std::int32_t col, std::int32_t row)>;
 
-SampleReader reader(const Height& height, const Valid& valid = [](auto, auto) { return true; }) {
+SampleReader reader(
+    const Height& height, const Valid& valid = [](auto, auto) { return true; }) {
   return [=](GridRect part) {
     SampleWindow window{part, {}, {}};
     for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
