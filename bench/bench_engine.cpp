@@ -1,10 +1,10 @@
 // How fast are the pure parts: errors, saturation, selection, triangulation, the page codec?
 
-#include <cstring>
 
 #include <benchmark/benchmark.h>
 
 #include "bench/terrain.hpp"
+#include "bench/yardstick.hpp"
 #include "engine/page_codec.hpp"
 #include "engine/saturation.hpp"
 #include "engine/triangulation.hpp"
@@ -33,17 +33,6 @@ void samples_per_second(benchmark::State& state, double samples) {
   state.counters["samples/s"] =
       benchmark::Counter(samples * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
-
-/// The yardstick of this machine in this run: bytes copied in memory.
-void BM_Memcpy(benchmark::State& state) {
-  std::vector<char> from(std::size_t{64} << 20, 1), to(from.size());
-  for (auto _ : state) {
-    std::memcpy(to.data(), from.data(), from.size());
-    benchmark::DoNotOptimize(to.data());
-  }
-  state.SetBytesProcessed(static_cast<std::int64_t>(from.size()) * state.iterations());
-}
-BENCHMARK(BM_Memcpy)->Unit(benchmark::kMillisecond);
 
 void BM_ErrorsReference(benchmark::State& state) {
   const Ground& g = ground(static_cast<int>(state.range(0)));

@@ -3,13 +3,13 @@
 // Data: swiss_germany.vrt where the real models are (TALUS_DEM_DIR), and a made terrain of 2049² samples that is
 // always there. The file is in the system's cache, nothing decoded is kept between questions: warm.
 
-#include <cstring>
 #include <map>
 
 #include <benchmark/benchmark.h>
 #include <gdal_priv.h>
 
 #include "bench/terrain.hpp"
+#include "bench/yardstick.hpp"
 #include "talus/talus.hpp"
 
 namespace talus {
@@ -85,16 +85,6 @@ void ask(benchmark::State& state, const Snapshot& now, GridRect region, double t
   state.counters["pages"] = static_cast<double>(cost.pages_read);
   state.counters["kB"] = static_cast<double>(cost.bytes_read) / 1000;
 }
-
-void BM_Memcpy(benchmark::State& state) {
-  std::vector<char> from(std::size_t{64} << 20, 1), to(from.size());
-  for (auto _ : state) {
-    std::memcpy(to.data(), from.data(), from.size());
-    benchmark::DoNotOptimize(to.data());
-  }
-  state.SetBytesProcessed(static_cast<std::int64_t>(from.size()) * state.iterations());
-}
-BENCHMARK(BM_Memcpy)->Unit(benchmark::kMillisecond);
 
 void BM_WindowMade_Warm(benchmark::State& state) {
   ask(state, databases().made(), {{512, 512}, {1536, 1536}}, static_cast<double>(state.range(0)));
