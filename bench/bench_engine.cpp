@@ -1,6 +1,5 @@
 // How fast are the pure parts: errors, saturation, selection, triangulation, the page codec?
 
-
 #include <benchmark/benchmark.h>
 
 #include "bench/terrain.hpp"

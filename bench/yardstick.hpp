@@ -1,10 +1,10 @@
 #pragma once
 // What this machine can do in this run: absolute times mean little without it.
 
-#include <benchmark/benchmark.h>
-
 #include <cstring>
 #include <vector>
+
+#include <benchmark/benchmark.h>
 
 namespace talus::bench {
 

@@ -160,13 +160,8 @@ class Prediction {
   void run(Visit&& visit) {
     if (offset_col_ == 0 && offset_row_ == 0) visit(at(0, 0), std::int64_t{0});
     for (std::int32_t s = kPageSide / 2; s >= 1; s /= 2) {
-      for_each(s, s, s, [&](std::int32_t col, std::int32_t row) { visit(at(col, row), centre(col, row, s)); });
-      for (std::int32_t row = first(offset_row_, 0, s); row < grid_.rows; row += s) {
-        const bool row_odd = ((row + offset_row_) & s) != 0;
-        for (std::int32_t col = first(offset_col_, row_odd ? 0 : s, 2 * s); col < grid_.cols; col += 2 * s) {
-          visit(at(col, row), row_odd ? side(col, row, 0, s) : side(col, row, s, 0));
-        }
-      }
+      for (std::int32_t row = first(offset_row_, s, 2 * s); row < grid_.rows; row += 2 * s) centres(row, s, visit);
+      for (std::int32_t row = first(offset_row_, 0, s); row < grid_.rows; row += s) sides(row, s, visit);
     }
   }
 
@@ -175,10 +170,30 @@ class Prediction {
   static std::int32_t first(std::int32_t offset, std::int32_t phase, std::int32_t period) {
     return (phase - offset) & (period - 1);
   }
+  /// Most points have all four neighbours in the page; those need no look at its sides.
   template <class Visit>
-  void for_each(std::int32_t phase_col, std::int32_t phase_row, std::int32_t s, Visit&& visit) {
-    for (std::int32_t row = first(offset_row_, phase_row, 2 * s); row < grid_.rows; row += 2 * s) {
-      for (std::int32_t col = first(offset_col_, phase_col, 2 * s); col < grid_.cols; col += 2 * s) visit(col, row);
+  void centres(std::int32_t row, std::int32_t s, Visit& visit) {
+    const bool inner_row = row >= s && row + s < grid_.rows;
+    const std::ptrdiff_t down = std::ptrdiff_t{s} * grid_.cols;
+    for (std::int32_t col = first(offset_col_, s, 2 * s); col < grid_.cols; col += 2 * s) {
+      std::int64_t* p = &at(col, row);
+      const bool inner = inner_row && col >= s && col + s < grid_.cols;
+      visit(*p, inner ? mean(mean(p[-down - s], p[down + s]), mean(p[s - down], p[down - s])) : centre(col, row, s));
+    }
+  }
+  template <class Visit>
+  void sides(std::int32_t row, std::int32_t s, Visit& visit) {
+    const bool upright = ((row + offset_row_) & s) != 0;  // the side runs down, not along the row
+    const bool inner_row = row >= s && row + s < grid_.rows;
+    const std::ptrdiff_t down = std::ptrdiff_t{s} * grid_.cols, ends = upright ? down : s, apexes = upright ? s : down;
+    for (std::int32_t col = first(offset_col_, upright ? 0 : s, 2 * s); col < grid_.cols; col += 2 * s) {
+      std::int64_t* p = &at(col, row);
+      if (inner_row && col >= s && col + s < grid_.cols) {
+        const std::int64_t along = mean(p[-ends], p[ends]), across = mean(p[-apexes], p[apexes]);
+        visit(*p, plus(along, minus(across, along) >> 2));
+      } else {
+        visit(*p, upright ? side(col, row, 0, s) : side(col, row, s, 0));
+      }
     }
   }
   std::int64_t& at(std::int32_t col, std::int32_t row) {
@@ -190,9 +205,6 @@ class Prediction {
            static_cast<std::uint32_t>(row) < static_cast<std::uint32_t>(grid_.rows);
   }
   std::int64_t centre(std::int32_t col, std::int32_t row, std::int32_t s) {
-    if (has(col - s, row - s) && has(col + s, row + s)) {
-      return mean(mean(at(col - s, row - s), at(col + s, row + s)), mean(at(col + s, row - s), at(col - s, row + s)));
-    }
     return pair(pair_of(col - s, row - s, col + s, row + s), pair_of(col + s, row - s, col - s, row + s));
   }
   /// Ends at ±(dc, dr), apexes across.
@@ -387,6 +399,19 @@ struct PageDecoder::Scratch {
   std::array<std::vector<std::byte>, 8> planes;
   std::vector<std::uint32_t> stored;
   std::unique_ptr<ZSTD_DCtx, FreeContext> context{ZSTD_createDCtx()};
+
+  /// What `stored` depends on: most pages of a query are alike.
+  using Shape = std::array<std::int32_t, 6>;
+  [[nodiscard]] static Shape shape_of(const Page& page) {
+    const std::int32_t coarser = kChildrenAcross - 1;
+    return {page.grid.cols,
+            page.grid.rows,
+            page.grid.first.col & coarser,
+            page.grid.first.row & coarser,
+            page.id.band == page.bands - 1 ? 1 : 0,
+            page.implied_midpoints ? 1 : 0};
+  }
+  Shape shape{};
 };
 
 PageDecoder::PageDecoder() : scratch_(std::make_unique<Scratch>()) {}
@@ -471,7 +496,10 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, std::span
   }
 
   page.errors.assign(n, 0);
-  list_stored_errors(page, stored);
+  if (const auto shape = scratch_->shape_of(page); shape != scratch_->shape) {
+    list_stored_errors(page, stored);
+    scratch_->shape = shape;
+  }
   for (const unsigned shift : {0u, 8u}) {
     const auto raw = section(stored.size());
     for (std::size_t i = 0; i < stored.size(); ++i) {

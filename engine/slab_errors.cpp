@@ -6,6 +6,7 @@
 // bound exceeds the largest distance so far: the result is exact, most samples are never touched.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -71,44 +72,82 @@ class SlabErrors {
             {std::min(col + kSlabSide - 1, e.last.col), std::min(row + kSlabSide - 1, e.last.row)}};
   }
 
-  /// visit(col, row, height) for each that counts.
+  /// visit(height) for each that counts.
   template <class Visit>
   void for_each_sample(GridRect part, Visit&& visit) const {
     for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
       for (std::int32_t col = part.first.col; col <= part.last.col; ++col) {
         const std::size_t i = field_.index({col, row});
-        if (counts(i)) visit(col, row, field_.heights[i]);
+        if (counts(i)) visit(field_.heights[i]);
       }
     }
   }
 
-  /// Least squares where the square is whole, a level plane where it is not.
   [[nodiscard]] Slab fit(GridPoint at) const {
     const GridRect part = square(at);
-    const double middle_col = at.col * kSlabSide + kHalf, middle_row = at.row * kSlabSide + kHalf;
-    double sum = 0, along = 0, down = 0, largest = 0;
+    return is_whole(part) ? fit_whole(part.first) : fit_part(part);
+  }
+  [[nodiscard]] bool is_whole(GridRect part) const {
+    if (part.samples() != kSlabSide * kSlabSide) return false;
     int count = 0;
-    for_each_sample(part, [&](std::int32_t col, std::int32_t row, double h) {
+    if (!field_.valid.empty()) for_each_sample(part, [&](double) { ++count; });
+    return field_.valid.empty() || count == kSlabSide * kSlabSide;
+  }
+
+  /// Least squares, column by column so that the compiler takes several at once.
+  [[nodiscard]] Slab fit_whole(GridPoint first) const {
+    using Columns = std::array<double, kSlabSide>;
+    Columns sums{}, downs{}, largest{}, radii{};
+    const double* start = &field_.heights[field_.index(first)];
+    const std::ptrdiff_t stride = field_.extent.cols();
+    for (std::size_t row = 0; row < kSlabSide; ++row) {
+      const double* h = start + static_cast<std::ptrdiff_t>(row) * stride;
+      const double weight = static_cast<double>(row) - kHalf;
+      for (std::size_t col = 0; col < kSlabSide; ++col) {
+        sums[col] += h[col];
+        downs[col] += h[col] * weight;
+        largest[col] = std::max(largest[col], std::abs(h[col]));
+      }
+    }
+    double sum = 0, along = 0, down = 0;
+    for (std::size_t col = 0; col < kSlabSide; ++col) {
+      sum += sums[col];
+      along += sums[col] * (static_cast<double>(col) - kHalf);
+      down += downs[col];
+    }
+    constexpr double kSquares = kSlabSide * (kSlabSide * (kSlabSide * kSlabSide - 1) / 12.0);  // Σ (col − middle)²
+    Slab slab{sum / (kSlabSide * kSlabSide), along / kSquares, down / kSquares, 0};
+    for (std::size_t row = 0; row < kSlabSide; ++row) {
+      const double* h = start + static_cast<std::ptrdiff_t>(row) * stride;
+      const double on_row = slab.middle + slab.down * (static_cast<double>(row) - kHalf);
+      for (std::size_t col = 0; col < kSlabSide; ++col) {
+        const double on_plane = on_row + slab.right * (static_cast<double>(col) - kHalf);
+        radii[col] = std::max(radii[col], std::abs(h[col] - on_plane));
+      }
+    }
+    slab.radius =
+        with_rounding(*std::max_element(radii.begin(), radii.end()), *std::max_element(largest.begin(), largest.end()));
+    return slab;
+  }
+
+  /// A level plane where samples are missing.
+  [[nodiscard]] Slab fit_part(GridRect part) const {
+    double sum = 0, largest = 0;
+    int count = 0;
+    for_each_sample(part, [&](double h) {
       sum += h;
-      along += h * (col - middle_col);
-      down += h * (row - middle_row);
       largest = std::max(largest, std::abs(h));
       ++count;
     });
     if (count == 0) return {};
     Slab slab{sum / count, 0, 0, 0};
-    if (count == kSlabSide * kSlabSide) {
-      constexpr double kSquares = kSlabSide * (kSlabSide * (kSlabSide * kSlabSide - 1) / 12.0);  // Σ (col − middle)²
-      slab.right = along / kSquares;
-      slab.down = down / kSquares;
-    }
-    for_each_sample(part, [&](std::int32_t col, std::int32_t row, double h) {
-      const double on_plane = slab.middle + slab.right * (col - middle_col) + slab.down * (row - middle_row);
-      slab.radius = std::max(slab.radius, std::abs(h - on_plane));
-    });
-    slab.radius += 1e-12 * (1 + largest);  // the bound must hold for the rounding here and below, too
+    for_each_sample(part, [&](double h) { slab.radius = std::max(slab.radius, std::abs(h - slab.middle)); });
+    slab.radius = with_rounding(slab.radius, largest);
     return slab;
   }
+
+  /// The bound must hold for the rounding in the fit and in its use, too.
+  static double with_rounding(double radius, double largest) { return radius + 1e-12 * (1 + largest); }
 
   void settle(GridPoint p, int side) {
     const HalfDiamond t = half_diamond(p, side);
