@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/grid.hpp"
+#include "engine/large_memory.hpp"
 
 namespace talus {
 
@@ -77,7 +78,7 @@ class LevelGrid {
   static constexpr std::int32_t kRim = 4;
   struct Level {
     std::int32_t first_col = 0, first_row = 0, cols = 0, rows = 0;
-    std::vector<Value> values;
+    std::vector<Value, LargeAllocator<Value>> values;
     [[nodiscard]] bool holds(GridPoint p, int shift) const {
       const std::int32_t col = (p.col >> shift) - first_col, row = (p.row >> shift) - first_row;
       return col >= 0 && row >= 0 && col < cols && row < rows;

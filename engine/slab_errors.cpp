@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/large_memory.hpp"
 #include "engine/vertex_error.hpp"
 
 namespace talus::detail {
@@ -217,7 +218,7 @@ class SlabErrors {
   LevelGrid<ErrorCode>& errors_;
   GridPoint first_;
   std::int32_t cols_ = 0, rows_ = 0;
-  std::vector<Slab> slabs_;
+  std::vector<Slab, LargeAllocator<Slab>> slabs_;
   std::vector<Candidate> candidates_;
 };
 
