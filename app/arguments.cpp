@@ -61,6 +61,54 @@ double parse_weight(const std::string& word) {
   return *value;
 }
 
+std::uint64_t parse_bytes(const std::string& word) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {{"KiB", 1 << 10}, {"MiB", 1 << 20}, {"GiB", 1 << 30},
+                                                            {"kB", 1e3},      {"MB", 1e6},      {"GB", 1e9},
+                                                            {"K", 1 << 10},   {"M", 1 << 20},   {"G", 1 << 30}};
+  std::string_view digits = word;
+  double unit = 1;
+  for (const auto& [name, bytes] : kUnits) {
+    if (!digits.ends_with(name)) continue;
+    digits.remove_suffix(name.size());
+    unit = bytes;
+    break;
+  }
+  const std::optional<double> value = number(digits);
+  if (!value || !(*value * unit >= 1) || *value * unit > 1e15) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--memory takes bytes, as 512MiB or 2GB; \"{}\" is not that", word));
+  }
+  return static_cast<std::uint64_t>(*value * unit);
+}
+
+std::pair<double, double> parse_cell(const std::string& word) {
+  const std::string_view text = word;
+  const std::size_t comma = text.find(',');
+  const std::optional<double> dx = number(text.substr(0, comma));
+  const std::optional<double> dy = comma == std::string_view::npos ? dx : number(text.substr(comma + 1));
+  if (!dx || !dy || !(*dx > 0) || !(*dy > 0) || !std::isfinite(*dx) || !std::isfinite(*dy)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--tr takes the size of cells, DX,DY, both larger than 0; \"{}\" is not that", word));
+  }
+  return {*dx, *dy};
+}
+
+double parse_height_step(const std::string& word) {
+  const std::optional<double> value = number(word);
+  if (!value || !(*value > 0) || !std::isfinite(*value)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--height-step takes metres, more than 0; \"{}\" is not that", word));
+  }
+  return *value;
+}
+
+bool parse_priority(const std::string& word) {
+  if (word == "later") return false;
+  if (word == "resolution") return true;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("--priority takes later or resolution; \"{}\" is neither", word));
+}
+
 std::string is_named(const std::string& word) {
   return word.empty() ? "a file name is expected, not an empty word" : "";
 }

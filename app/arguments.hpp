@@ -1,7 +1,9 @@
 #pragma once
 // Words of the command line that mean something to us.
 
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "talus/units.hpp"
@@ -14,6 +16,15 @@ namespace talus::app {
 [[nodiscard]] Rectangle parse_bbox(const std::string& word);
 /// A number of at least 0, finite.
 [[nodiscard]] double parse_weight(const std::string& word);
+
+/// "512MiB", "2GB", "1e9": bytes, at least one.
+[[nodiscard]] std::uint64_t parse_bytes(const std::string& word);
+/// "DX,DY" or one number for both, larger than 0.
+[[nodiscard]] std::pair<double, double> parse_cell(const std::string& word);
+/// Metres, larger than 0.
+[[nodiscard]] double parse_height_step(const std::string& word);
+/// "later" (false) or "resolution" (true).
+[[nodiscard]] bool parse_priority(const std::string& word);
 
 /// What a word lacks to name a file; empty where it lacks nothing, as CLI11 wants it of a check.
 [[nodiscard]] std::string is_named(const std::string& word);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -31,7 +32,20 @@ std::string step_text(const HeightStep& step, const std::string& unit) {
   return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
 }
 
-Json to_json(const Request& request, const Description& d, const StorageSummary& s) {
+Json to_json(const Request& request, const Description& d, const StorageSummary& s, const Provenance& p) {
+  Json sources = Json::array();
+  for (const SourceFile& f : p.sources) {
+    sources.push_back({{"name", f.name},
+                       {"driver", f.driver},
+                       {"type", f.type},
+                       {"cols", f.cols},
+                       {"rows", f.rows},
+                       {"bytes", f.bytes},
+                       {"xxh3", fmt::format("{:016x}", f.checksum)}});
+  }
+  Json above = Json::array();
+  for (const auto& [tolerance, vertices] : p.vertices_above)
+    above.push_back({{"tolerance", tolerance}, {"vertices", vertices}});
   Json bands = Json::array();
   for (const BandSummary& band : s.bands) {
     bands.push_back({{"spacing", band.spacing}, {"pages", band.pages}, {"bytes", band.bytes}});
@@ -57,10 +71,25 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"file_bytes", s.file_bytes},
       {"pages", s.pages},
       {"page_bytes", s.page_bytes},
-      {"bands", bands}};
+      {"bands", bands},
+      {"lossy_metres", d.lossy_metres},
+      {"made_by", p.made_by},
+      {"generation", p.generation},
+      {"sources", sources},
+      {"vertices_above", above}};
 }
 
-Table to_table(const Request& request, const Description& d, const StorageSummary& s) {
+/// What is worth a line: rungs that select not all and not nothing.
+std::string above_text(const Provenance& p) {
+  std::string text;
+  for (const auto& [tolerance, vertices] : p.vertices_above) {
+    if (vertices < 16 || tolerance < 0.1) continue;
+    text += fmt::format("{}{} m: {}", text.empty() ? "" : ", ", tolerance, counted(vertices));
+  }
+  return text;
+}
+
+Table to_table(const Request& request, const Description& d, const StorageSummary& s, const Provenance& p) {
   const auto samples = static_cast<std::uint64_t>(d.extent.samples());
   Table table;
   table.add("database", fmt::format("{}, format {}", request.database, s.format_version));
@@ -76,6 +105,16 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
   table.add("void weight", fmt::format("{}", d.void_weight));
+  if (d.lossy_metres > 0) table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
+  if (const std::string above = above_text(p); !above.empty()) table.add("vertices above", above);
+  table.add("made by", p.generation == 0 ? p.made_by : fmt::format("{}, updated {} times", p.made_by, p.generation));
+  constexpr std::size_t kListed = 8;
+  for (std::size_t i = 0; i < std::min(kListed, p.sources.size()); ++i) {
+    const SourceFile& f = p.sources[i];
+    table.add(i == 0 ? "from" : "", fmt::format("{}: {}, {} x {} of {}, {}, XXH3 {:016x}", f.name, f.driver, f.cols, f.rows,
+                                                f.type, sized(f.bytes), f.checksum));
+  }
+  if (p.sources.size() > kListed) table.add("", fmt::format("and {} more; --json lists them", p.sources.size() - kListed));
   table.add("pages", fmt::format("{}, {} of the file", counted(s.pages), sized(s.page_bytes)));
   for (const BandSummary& band : s.bands) {
     table.add("", fmt::format("spacing {:>6}: {:>9} pages, {}", band.spacing, counted(band.pages), sized(band.bytes)));
@@ -86,9 +125,9 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
 Exit run(const Request& request) {
   const Snapshot now = Database::open(request.database).snapshot();
   if (request.json) {
-    print(to_json(request, now.description(), now.storage()));
+    print(to_json(request, now.description(), now.storage(), now.provenance()));
   } else {
-    print(to_table(request, now.description(), now.storage()));
+    print(to_table(request, now.description(), now.storage(), now.provenance()));
   }
   return Exit::done;
 }

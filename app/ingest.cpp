@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -12,36 +13,90 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/report.hpp"
-#include "ingest/raster_source.hpp"
+#include "talus/database.hpp"
 
 namespace talus::app {
 namespace {
 
 struct Request {
-  std::string input, database, void_weight = "1";
-  bool overwrite = false, json = false;
+  std::vector<std::string> files;  // the database last
+  std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step;
+  IngestOptions options;
+  bool update = false, dry_run = false, json = false;
+
+  [[nodiscard]] const std::string& database() const { return files.back(); }
+  [[nodiscard]] std::vector<std::filesystem::path> inputs() const { return {files.begin(), files.end() - 1}; }
 };
 
-IngestReport ingest_with_progress(const Request& request) {
-  Progress progress;
-  IngestOptions options;
-  options.overwrite = request.overwrite;
-  options.void_weight = parse_weight(request.void_weight);
-  options.progress = [&](double fraction, const char* stage) {
-    if (interrupted()) throw Interrupted{};
-    progress.show(fraction, stage);
-  };
-  note_interrupts();
-  return ingest(request.input, request.database, options);
+void settle_options(Request& request) {
+  IngestOptions& o = request.options;
+  o.void_weight = parse_weight(request.void_weight);
+  o.memory_bytes = parse_bytes(request.memory);
+  if (!request.cell.empty()) {
+    const auto [dx, dy] = parse_cell(request.cell);
+    o.inputs.target_dx = dx;
+    o.inputs.target_dy = dy;
+  }
+  if (!request.height_step.empty()) o.inputs.height_step = parse_height_step(request.height_step);
+  o.inputs.priority_resolution = parse_priority(request.priority);
+  if (!request.grid_of.empty()) o.inputs.grid = grid_of(Database::open(request.grid_of).snapshot().description());
 }
 
-Exit run(const Request& request) {
-  const int bands = RasterSource{request.input}.bands();
+IngestReport ingest_with_progress(Request& request) {
+  Progress progress(parse_telling(request.progress));
+  request.options.progress = [&](const IngestProgress& now) {
+    if (interrupted()) throw Interrupted{};
+    progress.show(now);
+  };
+  note_interrupts();
+  if (request.update) return update(request.inputs(), request.database(), request.options);
+  try {
+    return ingest(request.inputs(), request.database(), request.options);
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "talus: interrupted; what is done is in {}.part, --resume goes on with it\n", request.database());
+    throw;
+  }
+}
+
+void add_notes(Table& table, const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) table.add("note", note);
+}
+
+Exit dry_run(const Request& request) {
+  const IngestEstimate e = estimate_ingest(request.inputs(), request.options);
+  const Description& d = e.description;
+  if (request.json) {
+    print(Json{{"database", request.database()},
+               {"source", d.source_name},
+               {"type", d.source_type},
+               {"cols", d.extent.cols()},
+               {"rows", d.extent.rows()},
+               {"tiles", e.tiles},
+               {"threads", e.threads},
+               {"estimated_bytes", e.bytes},
+               {"estimated_seconds", e.seconds},
+               {"notes", e.notes}});
+    return Exit::done;
+  }
+  Table table;
+  table.add("would make", request.database());
+  table.add("samples", fmt::format("{} x {} of {}, {} tiles to settle", d.extent.cols(), d.extent.rows(), d.source_type,
+                                   counted(e.tiles)));
+  table.add("file size", fmt::format("about {}", file_size(e.bytes, d.extent)));
+  table.add("time", fmt::format("about {} with {} thread{}", timed(e.seconds), e.threads, e.threads == 1 ? "" : "s"));
+  add_notes(table, e.notes);
+  print(table);
+  return Exit::done;
+}
+
+Exit run(Request& request) {
+  settle_options(request);
+  if (request.dry_run) return dry_run(request);
   const IngestReport report = ingest_with_progress(request);
   const Description& d = report.description;
   const auto samples = static_cast<std::uint64_t>(d.extent.samples());
   if (request.json) {
-    print(Json{{"database", request.database},
+    print(Json{{"database", request.database()},
                {"source", d.source_name},
                {"type", d.source_type},
                {"cols", d.extent.cols()},
@@ -49,47 +104,97 @@ Exit run(const Request& request) {
                {"minimum", d.minimum},
                {"maximum", d.maximum},
                {"void_samples", d.void_samples},
+               {"tiles", report.tiles},
                {"pages", report.pages},
+               {"pages_read_back", report.pages_read_back},
                {"bytes", report.bytes},
-               {"seconds", report.seconds}});
+               {"seconds", report.seconds},
+               {"notes", report.notes}});
     return Exit::done;
   }
   Table table;
-  table.add("database", fmt::format("{}, {} pages", request.database, counted(report.pages)));
+  table.add("database", fmt::format("{}, {} pages", request.database(), counted(report.pages)));
   table.add("file size", file_size(report.bytes, d.extent));
-  if (bands > 1) table.add("band", fmt::format("band 1 of {} is taken", bands));
   table.add("samples", fmt::format("{} x {} of {}, {} void", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(d.void_samples)));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
+  if (request.update) table.add("tiles", fmt::format("{} settled anew", counted(report.tiles)));
   table.add("time", fmt::format("{}, {:.3g} million samples a second", timed(report.seconds),
                                 static_cast<double>(samples) / 1e6 / std::max(report.seconds, 1e-9)));
-  if (d.extent.cols() == 1 || d.extent.rows() == 1) {
+  if (d.extent.cols() == 1 || d.extent.rows() == 1)
     table.add("note", "the raster is one sample wide or high: no answer will hold a triangle");
-  }
+  add_notes(table, report.notes);
   print(table);
   return Exit::done;
+}
+
+void add_grid_options(CLI::App& command, Request& request) {
+  InputOptions& inputs = request.options.inputs;
+  const std::string group = "Inputs";
+  command.add_option("--srs", inputs.srs, "CRS of inputs that state none: EPSG:2056, WKT or PROJ")
+      ->option_text("CRS")
+      ->group(group);
+  command.add_option("--vertical-unit", inputs.vertical_unit, "Unit of heights, where the inputs do not say: metre, foot …")
+      ->option_text("UNIT")
+      ->group(group);
+  command.add_option("--priority", request.priority, "Where inputs overlap: the later one wins, or the finer")
+      ->option_text("later|resolution")
+      ->group(group);
+  command.add_option("--t-srs", inputs.target_srs, "Resample to this CRS")->option_text("CRS")->group(group);
+  command.add_option("--tr", request.cell, "Resample to cells of this size")->option_text("DX,DY")->group(group);
+  command.add_option("--resampling", inputs.resampling, "How: near, bilinear, cubic, average")
+      ->option_text("METHOD [bilinear]")
+      ->group(group);
+  command.add_option("--grid-of", request.grid_of, "Resample to the grid of this database")
+      ->option_text("DATABASE")
+      ->group(group);
+  command.add_option("--height-step", request.height_step,
+                     "Round heights to multiples of so many metres; half of it is part of every bound")
+      ->option_text("METRES")
+      ->group(group);
+  command.add_option("--allow-driver", inputs.allow_drivers, "Open files by this GDAL driver, too")
+      ->option_text("NAME")
+      ->group(group);
 }
 
 }  // namespace
 
 void add_ingest(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("ingest", "Make a database from an elevation raster");
-  command->add_option("INPUT", request->input, "Raster file")->required()->check(is_named);
-  command->add_option("DATABASE", request->database, "Database file to make")->required()->check(is_named);
-  command->add_flag("--overwrite", request->overwrite, "Replace the database if it exists");
+  CLI::App* command = program.add_subcommand("ingest", "Make a database from elevation rasters, or put more into one");
+  command->add_option("FILES", request->files, "Raster files, folders of them or @LIST.txt; the database last")
+      ->required()
+      ->expected(2, 1 << 20)
+      ->option_text("INPUT... DATABASE")
+      ->check(is_named);
+  command->add_flag("--overwrite", request->options.overwrite, "Replace the database if it exists");
+  command->add_flag("--resume", request->options.resume, "Go on with an ingest that was interrupted");
+  command->add_flag("--update", request->update, "Put the inputs into a database that exists, over what it holds");
+  command->add_flag("--dry-run", request->dry_run, "Say what would be done, how large and how long; write nothing");
+  command->add_option("--memory", request->memory, "Stay below this, whatever the size of the raster")
+      ->option_text("BYTES [1GiB]");
+  command->add_option("--threads", request->options.threads, "Changes nothing but the time; 0: one a core")
+      ->option_text("N [0]");
   command
       ->add_option("--void-weight", request->void_weight,
                    "Metres of error per metre of ground where a triangle mixes data and void: a larger\n"
                    "weight draws the outline of the data more finely")
       ->option_text("W [1]");
+  command->add_option("--progress", request->progress, "On a terminal, as JSON lines on standard error, or not")
+      ->option_text("auto|json|none");
   command->add_flag("--json", request->json, "Print one JSON object");
+  add_grid_options(*command, *request);
   command->footer(
       "\n"
-      "Takes the first band of a local raster file (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL\n"
-      "reads), computes the exact error of every vertex and writes one file. Samples are pixel centres;\n"
-      "nodata, masks and NaN are voids; the band's scale, offset and unit are applied.\n"
-      "\nExample:\n  talus ingest alps.tif alps.talus");
+      "Takes the first band of local rasters (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL reads),\n"
+      "computes the exact error of every vertex and writes one file, in memory that does not grow with the\n"
+      "raster. Samples are pixel centres; nodata, masks and NaN are voids; scale, offset and unit are applied.\n"
+      "Tiles on one grid are joined; others are refused unless an option says how to resample them.\n"
+      "Interrupted, killed or out of disk, it leaves DATABASE.part, and --resume goes on.\n"
+      "\nExamples:\n"
+      "  talus ingest alps.tif alps.talus\n"
+      "  talus ingest tiles/ country.talus --memory 512MiB\n"
+      "  talus ingest --update new_tile.tif country.talus");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

@@ -2,44 +2,72 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
-namespace talus::app {
+#include "app/report.hpp"
+#include "talus/failure.hpp"
 
+namespace talus::app {
 namespace {
+
 constexpr double kQuiet = 1.0;     // seconds before anything is said
 constexpr double kInterval = 0.2;  // seconds between lines
+
+std::string line_of(const IngestProgress& now) {
+  std::string line = "0";
+  for (int i = 1; i <= static_cast<int>(std::clamp(now.fraction, 0.0, 1.0) * 10); ++i)
+    line += fmt::format("...{}", 10 * i);
+  if (now.fraction >= 1) return line + " - done.";
+  line += fmt::format("  {}", now.stage);
+  if (now.samples > 0 && now.seconds > 0)
+    line += fmt::format(", {:.3g} million samples/s", static_cast<double>(now.samples) / 1e6 / now.seconds);
+  if (now.seconds_left >= 0) line += fmt::format(", {} s left", std::ceil(now.seconds_left));
+  return line;
+}
+
 }  // namespace
 
-Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+Telling parse_telling(const std::string& word) {
+  if (word == "auto") return Telling::people;
+  if (word == "json") return Telling::json;
+  if (word == "none") return Telling::nobody;
+  throw Failure(Cause::invalid_argument, fmt::format("--progress takes auto, json or none; \"{}\" is not that", word));
+}
+
+Progress::Progress(Telling telling)
+    : telling_(telling == Telling::people && ::isatty(STDERR_FILENO) != 1 ? Telling::nobody : telling) {}
 
 Progress::~Progress() {
-  if (shown_) std::fputs("\n", stderr);
+  if (shown_ && telling_ == Telling::people) std::fputs("\n", stderr);
 }
 
 void Progress::show(double fraction, const char* stage) {
-  if (!terminal_) return;
-  const auto now = Clock::now();
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const bool done = fraction >= 1;
-  if (elapsed < kQuiet || (!done && std::chrono::duration<double>(now - last_).count() < kInterval)) return;
-  last_ = now;
-  shown_ = true;
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  const double left = fraction > 0.02 ? seconds * (1 - fraction) / fraction : -1;
+  show({fraction, stage, 0, 0, seconds, left});
+}
 
-  const int tens = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 10);
-  std::string line = "0";
-  for (int i = 1; i <= tens; ++i) line += fmt::format("...{}", 10 * i);
-  if (done) {
-    line += " - done.";
-  } else if (fraction > 0.02) {
-    line += fmt::format("  {}, {} s left", stage, std::ceil(elapsed * (1 - fraction) / fraction));
+void Progress::show(const IngestProgress& now) {
+  if (telling_ == Telling::nobody) return;
+  const auto time = Clock::now();
+  const bool done = now.fraction >= 1;
+  if (!done && std::chrono::duration<double>(time - last_).count() < kInterval) return;
+  if (telling_ == Telling::people && std::chrono::duration<double>(time - start_).count() < kQuiet) return;
+  last_ = time;
+  shown_ = true;
+  if (telling_ == Telling::people) {
+    fmt::print(stderr, "\r{}\x1b[K", line_of(now));
   } else {
-    line += fmt::format("  {}", stage);
+    const Json json{{"fraction", now.fraction},
+                    {"stage", now.stage},
+                    {"samples", now.samples},
+                    {"all_samples", now.all_samples},
+                    {"seconds", now.seconds},
+                    {"seconds_left", now.seconds_left >= 0 ? Json(now.seconds_left) : Json()}};
+    fmt::print(stderr, "{}\n", json.dump());
   }
-  fmt::print(stderr, "\r{}\x1b[K", line);
   std::fflush(stderr);
 }
 

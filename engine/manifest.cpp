@@ -1,5 +1,6 @@
 #include "engine/manifest.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -26,9 +27,12 @@ void require_plausible(const Manifest& m) {
   }
   if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
   for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor,
-                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight}) {
+                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres}) {
     if (!std::isfinite(v)) refuse("a number that is none");
   }
+  if (d.lossy_metres < 0) refuse("a negative loss");
+  if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
+    refuse("number of coarsest pages does not fit the extent");
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
   if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0)
     refuse("impossible height step");
@@ -62,9 +66,10 @@ std::vector<std::byte> encode(const Manifest& m) {
       {"errors",
        {{"kind", "exact"},
         {"metric", "vertical"},
-        {"exact_arithmetic", m.exact},
         {"void_weight", d.void_weight},
-        {"lossy_bound", 0.0}}},
+        {"lossy_bound", d.lossy_metres}}},
+      {"generation", m.generation},
+      {"top_generations", m.top_generations},
   };
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   const auto bytes = std::as_bytes(std::span(text));
@@ -92,9 +97,9 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
                                 kBandLevels));
     }
     const Json& errors = json.at("errors");
-    if (errors.at("kind") != "exact" || errors.at("metric") != "vertical" || errors.at("lossy_bound") != 0.0) {
+    if (errors.at("kind") != "exact" || errors.at("metric") != "vertical") {
       throw Failure(Cause::unsupported,
-                    "errors of another kind than exact, vertical and lossless, which this program does not know");
+                    "errors of another kind than exact and vertical, which this program does not know");
     }
     m.bands = whole<int>(layout.at("bands"));
     Description& d = m.description;
@@ -114,12 +119,57 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.maximum = json.at("heights").at("maximum");
     d.void_samples = whole<std::uint64_t>(json.at("heights").at("void_samples"));
     d.void_weight = errors.at("void_weight");
-    m.exact = errors.at("exact_arithmetic");
+    d.lossy_metres = errors.at("lossy_bound");
+    m.generation = whole<std::uint32_t>(json.at("generation"));
+    for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));
   } catch (const Json::exception& e) {
     throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", e.what()));
   }
   require_plausible(m);
   return m;
+}
+
+std::vector<std::byte> encode(const Provenance& p) {
+  Json sources = Json::array();
+  for (const SourceFile& s : p.sources) {
+    sources.push_back({{"name", s.name},
+                       {"driver", s.driver},
+                       {"type", s.type},
+                       {"cols", s.cols},
+                       {"rows", s.rows},
+                       {"bytes", s.bytes},
+                       {"xxh3", fmt::format("{:016x}", s.checksum)}});
+  }
+  Json above = Json::array();
+  for (const auto& [tolerance, vertices] : p.vertices_above) above.push_back({tolerance, vertices});
+  const Json json = {{"sources", sources}, {"made_by", p.made_by}, {"generation", p.generation}, {"vertices_above", above}};
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+Provenance decode_provenance(std::span<const std::byte> bytes) {
+  const auto* text = reinterpret_cast<const char*>(bytes.data());
+  const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+  Provenance p;
+  try {
+    for (const Json& s : json.at("sources")) {
+      SourceFile source{s.at("name"), s.at("driver"), s.at("type"), whole<std::int64_t>(s.at("cols")),
+                        whole<std::int64_t>(s.at("rows")), whole<std::uint64_t>(s.at("bytes")), 0};
+      const std::string digits = s.at("xxh3");
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), source.checksum, 16);
+      if (error != std::errc{} || end != digits.data() + digits.size())
+        throw Failure(Cause::corrupt, "corrupt: provenance: a checksum that is none");
+      p.sources.push_back(std::move(source));
+    }
+    p.made_by = json.at("made_by");
+    p.generation = whole<std::uint32_t>(json.at("generation"));
+    for (const Json& pair : json.at("vertices_above"))
+      p.vertices_above.emplace_back(pair.at(0).get<double>(), whole<std::uint64_t>(pair.at(1)));
+  } catch (const Json::exception& e) {
+    throw Failure(Cause::corrupt, fmt::format("corrupt: provenance: {}", e.what()));
+  }
+  return p;
 }
 
 }  // namespace talus

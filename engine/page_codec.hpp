@@ -17,6 +17,7 @@ struct ChildEntry {
   bool present = false;           ///< it is stored; one that holds voids only is not
   ErrorCode largest = 0;          ///< saturated error of any vertex in it or in pages below it
   float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; +inf and -inf: voids only
+  std::uint32_t generation = 0;   ///< the update that wrote it, so that a stale page is noticed
   friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
 };
 

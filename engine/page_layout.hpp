@@ -14,16 +14,10 @@
 
 namespace talus {
 
-// The two constants of the layout; docs/decisions/0001-pages.md measured them. Any others make another,
-// equally valid format, so they are written in the manifest.
-#ifndef TALUS_BAND_LEVELS
-#define TALUS_BAND_LEVELS 3
-#endif
-#ifndef TALUS_PAGE_SHIFT
-#define TALUS_PAGE_SHIFT 7
-#endif
-inline constexpr int kBandLevels = TALUS_BAND_LEVELS;  ///< levels (spacings) in a band
-inline constexpr int kPageShift = TALUS_PAGE_SHIFT;    ///< log2 of samples along a page's side
+// The two constants of the layout; docs/decisions/0001-pages.md measured them. Any others would make another, equally
+// valid format, so they are written in the manifest.
+inline constexpr int kBandLevels = 3;  ///< levels (spacings) in a band
+inline constexpr int kPageShift = 7;   ///< log2 of samples along a page's side
 inline constexpr std::int32_t kPageSide = 1 << kPageShift;
 inline constexpr std::int32_t kChildrenAcross = 1 << kBandLevels;
 static_assert(kPageShift >= kBandLevels && kPageShift <= 10 && kBandLevels >= 1);
@@ -38,10 +32,13 @@ struct PageId {
 [[nodiscard]] constexpr int band_shift(int band) { return band * kBandLevels; }
 [[nodiscard]] constexpr std::int32_t band_spacing(int band) { return std::int32_t{1} << band_shift(band); }
 
+/// Bands 0 and 1 are settled tile by tile (engine/tile.hpp), so there is always one above them.
+inline constexpr int kFewestBands = 3;
+
 /// Number of bands of an extent: the coarsest covers it with pages that meet at the origin, one where
 /// the extent starts there.
 [[nodiscard]] constexpr int band_count(GridRect extent) {
-  int bands = 1;
+  int bands = kFewestBands;
   while (root_side(extent) > std::int64_t{kPageSide} << band_shift(bands - 1)) ++bands;
   return bands;
 }
@@ -137,7 +134,8 @@ struct PageGrid {
   return {band, gather(position), gather(position >> 1)};
 }
 
-/// All pages of a band over an extent, in curve order.
+/// All pages of a band whose squares meet an extent, in curve order: such a page may carry no sample and yet have pages
+/// below it.
 [[nodiscard]] std::vector<PageId> pages_of_band(int band, GridRect extent);
 
 }  // namespace talus

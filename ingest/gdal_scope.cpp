@@ -36,4 +36,9 @@ void GdalScope::remember(CPLErr severity, CPLErrorNum, const char* words) {
   }
 }
 
+RasterCache::RasterCache(std::uint64_t bytes) : before_(GDALGetCacheMax64()) {
+  GDALSetCacheMax64(static_cast<GIntBig>(bytes));
+}
+RasterCache::~RasterCache() { GDALSetCacheMax64(before_); }
+
 }  // namespace talus

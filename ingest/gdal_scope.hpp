@@ -2,6 +2,7 @@
 // GDAL, kept to this thread and this scope.
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,18 @@ class GdalScope {
 
   std::array<std::optional<std::string>, kSettings.size()> before_;
   std::array<char, 400> words_{};  // fixed: the handler runs inside C frames and must not throw
+};
+
+/// While it lives, GDAL keeps at most so many bytes of decoded blocks; what the host had set returns.
+class RasterCache {
+ public:
+  explicit RasterCache(std::uint64_t bytes);
+  ~RasterCache();
+  RasterCache(const RasterCache&) = delete;
+  RasterCache& operator=(const RasterCache&) = delete;
+
+ private:
+  std::int64_t before_;
 };
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -41,9 +42,18 @@ bool is_unfinished_database(int handle) {
          (got == static_cast<ssize_t>(head.size()) && std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0);
 }
 
+/// Whether any tile is done.
+bool holds_work(const fs::path& part) {
+  try {
+    return ReadTxn(PageStore::open(part)).summary(kRecordTable).pages > 0;
+  } catch (const Failure&) {
+    return false;
+  }
+}
+
 }  // namespace
 
-PartFile::PartFile(fs::path database, bool overwrite)
+PartFile::PartFile(fs::path database, bool overwrite, Left left)
     : database_(std::move(database)), part_(database_.string() + ".part") {
   std::error_code ignored;
   const fs::file_status status = fs::status(database_, ignored);
@@ -77,7 +87,14 @@ PartFile::PartFile(fs::path database, bool overwrite)
         fmt::format("{}: exists and is not what an ingest left behind; the work needs this name, so move it away",
                     part_.string()));
   }
-  if (::ftruncate(handle_, 0) != 0) {  // what a killed ingest left
+  if (left == Left::resume) return;
+  if (left == Left::refuse && holds_work(part_)) {
+    ::close(handle_);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: holds an interrupted ingest; go on with it by --resume, or start anew by --overwrite",
+                              part_.string()));
+  }
+  if (::ftruncate(handle_, 0) != 0) {
     const int error = errno;
     ::close(handle_);
     fail(part_, error);
@@ -85,14 +102,41 @@ PartFile::PartFile(fs::path database, bool overwrite)
 }
 
 PartFile::~PartFile() {
-  if (!published_) ::unlink(part_.c_str());
+  if (!keep_) ::unlink(part_.c_str());
   ::close(handle_);
+}
+
+void PartFile::copy_database() {
+  const int from = ::open(database_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (from < 0) fail(database_, errno);
+  constexpr std::size_t kAtOnce = std::size_t{64} << 20;
+  ssize_t copied = 0;
+  while ((copied = ::copy_file_range(from, nullptr, handle_, nullptr, kAtOnce, 0)) > 0) {
+  }
+  if (copied < 0 && (errno == EXDEV || errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP)) {
+    std::vector<char> buffer(std::size_t{1} << 20);
+    while ((copied = ::read(from, buffer.data(), buffer.size())) > 0) {
+      for (ssize_t put = 0; put < copied;) {
+        const ssize_t now = ::write(handle_, buffer.data() + put, static_cast<std::size_t>(copied - put));
+        if (now < 0 && errno == EINTR) continue;
+        if (now < 0) {
+          const int error = errno;
+          ::close(from);
+          fail(part_, error);
+        }
+        put += now;
+      }
+    }
+  }
+  const int error = errno;
+  ::close(from);
+  if (copied < 0) fail(part_, error);
 }
 
 void PartFile::publish() {
   if (::fsync(handle_) != 0) fail(part_, errno);
   if (::rename(part_.c_str(), database_.c_str()) != 0) fail(database_, errno);
-  published_ = true;
+  keep_ = true;
   const fs::path folder = database_.has_parent_path() ? database_.parent_path() : fs::path(".");
   if (const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); handle >= 0) {
     ::fsync(handle);  // the new name, too, survives a power cut

@@ -50,6 +50,11 @@ StorageSummary Snapshot::storage() const {
   return summary;
 }
 
+Provenance Snapshot::provenance() const {
+  const auto stored = view_->pages.transaction().find({kHeaderTable, kProvenancePosition});
+  return stored ? decode_provenance(stored->content) : Provenance{};
+}
+
 GridRect Snapshot::region(const Rectangle& r) const {
   const Description& d = description();
   const auto text = fmt::format("{},{},{},{}", r.xmin, r.ymin, r.xmax, r.ymax);

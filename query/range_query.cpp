@@ -46,9 +46,9 @@ class RangeQuery {
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
     force_border();
-    const int top = manifest_.bands - 1;
-    for (const PageId id : pages_of_band(top, manifest_.description.extent)) {
-      if (overlap(page_square(id), region_)) visit(id);
+    const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
+    for (std::size_t i = 0; i < tops.size(); ++i) {
+      if (overlap(page_square(tops[i]), region_)) visit(tops[i], manifest_.top_generations[i]);
     }
     Answer answer{collect(), cost_};
     answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
@@ -75,8 +75,8 @@ class RangeQuery {
   }
   [[nodiscard]] bool is_forced(PageId id) const { return forced_pages_.contains({id.band, curve_position(id)}); }
 
-  void visit(PageId id) {
-    const Page& page = pages_.get(id, decoder_, cost_);
+  void visit(PageId id, std::uint32_t generation) {
+    const Page& page = pages_.get(id, generation, decoder_, cost_);
     select(page);
     const std::vector<ChildEntry> children = page.children;  // the page's memory is the next page's
     for (std::size_t i = 0; i < children.size(); ++i) {
@@ -84,7 +84,7 @@ class RangeQuery {
       const ChildEntry& entry = children[i];
       if (!entry.present || !overlap(page_square(child), region_)) continue;
       if (entry.largest > threshold_ || is_forced(child)) {
-        visit(child);
+        visit(child, entry.generation);
       } else {
         largest_absent_ = std::max(largest_absent_, entry.largest);
       }
@@ -261,17 +261,19 @@ SampleWindow stored_samples(const StoredPages& pages, GridRect region) {
   QueryCost unused;
   PageDecoder decoder;
   // From the top down: only a page above tells one that is missing from one that holds voids.
-  const auto visit = [&](auto&& self, PageId id) -> void {
-    const Page& page = pages.get(id, decoder, unused);
+  const auto visit = [&](auto&& self, PageId id, std::uint32_t generation) -> void {
+    const Page& page = pages.get(id, generation, decoder, unused);
     const std::vector<ChildEntry> children = page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {
       const PageId child = child_page(id, i);
-      if (children[i].present && overlap(page_square(child), region)) self(self, child);
+      if (children[i].present && overlap(page_square(child), region)) self(self, child, children[i].generation);
     }
     if (id.band == 0) copy_samples(page, step, window);
   };
-  for (const PageId id : pages_of_band(pages.manifest().bands - 1, pages.manifest().description.extent)) {
-    if (overlap(page_square(id), region)) visit(visit, id);
+  const Manifest& manifest = pages.manifest();
+  const auto tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
+  for (std::size_t i = 0; i < tops.size(); ++i) {
+    if (overlap(page_square(tops[i]), region)) visit(visit, tops[i], manifest.top_generations[i]);
   }
   return window;
 }

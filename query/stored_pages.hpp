@@ -22,9 +22,12 @@ class StoredPages {
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
   [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
 
-  /// A page that must be there, until the decoder's next. Adds what it cost.
-  /// fails  corrupt: missing or damaged
-  [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost) const;
+  /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
+  /// next. Adds what it cost.
+  /// fails  corrupt: missing, stale or damaged
+  [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
+  /// The same of whatever generation: for those that come past the pages above it.
+  [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
 
  private:
   ReadTxn txn_;

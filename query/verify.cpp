@@ -22,6 +22,7 @@ class Verification {
   /// Everything a page says, against its own content and the pages below it.
   void structure() {
     for (const std::string& sentence : check_structure(pages_.file())) find(sentence);
+    if (const std::string sentence = check_seal(pages_.file()); !sentence.empty()) find(sentence);
     if (report.finding_count > 0) return;  // not safe to follow
     const int bands = pages_.manifest().bands;
     for (int band = 0; band < bands; ++band) {
@@ -79,10 +80,13 @@ class Verification {
 
   void visit(PageId id, Entries& entries) {
     ++report.pages;
-    if (page_grid(id, extent_).size() == 0) return find(fmt::format("{}: outside the extent", name(id)));
+    if (!overlap(page_square(id), extent_)) return find(fmt::format("{}: outside the extent", name(id)));
     QueryCost unused;
+    std::uint32_t generation = 0;
     try {
-      entries.emplace(curve_position(id), check(pages_.get(id, decoder_, unused)));
+      ChildEntry entry = check(pages_.get(id, decoder_, unused, &generation));
+      entry.generation = generation;
+      entries.emplace(curve_position(id), entry);
     } catch (const Failure& f) {
       find(f.what());
       entries.emplace(curve_position(id), ChildEntry{});  // there, if broken
@@ -110,6 +114,9 @@ class Verification {
       } else if (said.present && said.largest != found->second.largest) {
         find(fmt::format("{}: largest error {} m, the page above it says {} m", name(below),
                          error_of(found->second.largest), error_of(said.largest)));
+      } else if (said.present && said.generation != found->second.generation) {
+        find(fmt::format("{}: written by update {}, the page above it says {}", name(below), found->second.generation,
+                         said.generation));
       } else if (said.present && (said.lowest != found->second.lowest || said.highest != found->second.highest)) {
         find(fmt::format("{}: heights {} to {}, the page above it says {} to {}", name(below), found->second.lowest,
                          found->second.highest, said.lowest, said.highest));

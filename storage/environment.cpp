@@ -38,7 +38,25 @@ void check(int code, const char* doing, const std::filesystem::path& file) {
 void CloseEnv::operator()(MDB_env* env) const { mdb_env_close(env); }
 void AbortTxn::operator()(MDB_txn* txn) const { mdb_txn_abort(txn); }
 
-std::string table_name(int table) { return table == kHeaderTable ? "header" : fmt::format("band/{:02}", table); }
+std::string table_name(int table) {
+  if (table == kHeaderTable) return "header";
+  return table == kRecordTable ? "records" : fmt::format("band/{:02}", table);
+}
+
+void PageStore::Environment::open_tables() {
+  MDB_txn* raw = nullptr;
+  check(mdb_txn_begin(env.get(), nullptr, MDB_RDONLY, &raw), "begin", file);
+  TxnPtr txn(raw);
+  for (std::size_t i = 0; i < kMaxTables; ++i) {
+    if (tables[i]) continue;
+    MDB_dbi table = 0;
+    const int code = mdb_dbi_open(raw, table_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
+    if (code == MDB_NOTFOUND) continue;
+    check(code, "open table", file);
+    tables[i] = table;
+  }
+  check(mdb_txn_commit(txn.release()), "keep tables", file);
+}
 
 namespace {
 
@@ -75,22 +93,8 @@ class OpenFiles {
           "open", file);
     made->file = file;
     made->file_bytes = bytes;
-    open_tables(*made);
+    made->open_tables();
     return made;
-  }
-
-  static void open_tables(PageStore::Environment& made) {
-    MDB_txn* raw = nullptr;
-    check(mdb_txn_begin(made.env.get(), nullptr, MDB_RDONLY, &raw), "begin", made.file);
-    TxnPtr txn(raw);
-    for (std::size_t i = 0; i < kMaxTables; ++i) {
-      MDB_dbi table = 0;
-      const int code = mdb_dbi_open(raw, table_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
-      if (code == MDB_NOTFOUND) continue;
-      check(code, "open table", made.file);
-      made.tables[i] = table;
-    }
-    check(mdb_txn_commit(txn.release()), "keep tables", made.file);
   }
 
   std::mutex mutex_;

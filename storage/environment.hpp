@@ -28,9 +28,9 @@ struct AbortTxn {
 };
 using TxnPtr = std::unique_ptr<MDB_txn, AbortTxn>;
 
-inline constexpr unsigned kMaxTables = 33;  ///< the header's and 32 bands'
+inline constexpr unsigned kMaxTables = 34;  ///< the header's, 32 bands', the records'
 
-/// "header" or "band/07".
+/// "header", "band/07" or "records".
 [[nodiscard]] std::string table_name(int table);
 
 struct PageStore::Environment {
@@ -40,6 +40,9 @@ struct PageStore::Environment {
   std::array<std::optional<unsigned>, kMaxTables> tables{};
   std::filesystem::path file;
   std::uint64_t file_bytes = 0;
+
+  /// Opens those tables that are there and not open yet.
+  void open_tables();
 };
 
 }  // namespace talus

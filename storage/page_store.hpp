@@ -16,11 +16,23 @@ namespace talus {
 /// Where a page lies: a named table and a position in it. Keys are big-endian, so that the order of bytes
 /// is the order of positions.
 struct PageKey {
-  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest
+  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: what tiers above a tile must know
   std::uint64_t position = 0;
   friend constexpr auto operator<=>(const PageKey&, const PageKey&) = default;
 };
-inline constexpr int kHeaderTable = -1;
+inline constexpr int kHeaderTable = -1, kRecordTable = 32;
+
+/// LMDB gives every value whole pages of the file. The many small pages of table 0 share values, "shelves": those
+/// of 64 positions that follow a multiple of 64. A page is still read, and checked, alone.
+inline constexpr int kShelfShift = 6;
+inline constexpr std::size_t kShelfPages = std::size_t{1} << kShelfShift;
+[[nodiscard]] constexpr bool is_shelved(int table) { return table == 0; }
+
+/// The bytes of a page in the file; they live as long as the transaction, at any alignment.
+struct StoredPage {
+  std::span<const std::byte> content;
+  std::uint32_t generation = 0;  ///< which update of the database wrote it
+};
 
 struct TableSummary {
   std::uint64_t pages = 0, bytes = 0;  ///< bytes of the pages themselves
@@ -41,6 +53,7 @@ class PageStore {
 
  private:
   friend class ReadTxn;
+  friend class PageWriter;
   explicit PageStore(std::shared_ptr<Environment> environment) : environment_(std::move(environment)) {}
   std::shared_ptr<Environment> environment_;
 };
@@ -53,13 +66,17 @@ class ReadTxn {
   ReadTxn(ReadTxn&&) noexcept;
   ReadTxn& operator=(ReadTxn&&) noexcept;
 
-  /// The bytes of a page, checked against its checksum; they live as long as this transaction, at any
-  /// alignment. Empty if there is no such page.
+  /// A page, checked against its checksum. Empty if there is none.
   /// fails  corrupt: checksum
-  [[nodiscard]] std::optional<std::span<const std::byte>> find(PageKey key) const;
+  [[nodiscard]] std::optional<StoredPage> find(PageKey key) const;
 
   /// visit(position) for each page of a table in order.
   void for_each(int table, const std::function<void(std::uint64_t position)>& visit) const;
+  /// Whether a table has a page, or a shelf any page, at a position. Reads no content.
+  [[nodiscard]] bool has(PageKey key) const;
+  /// Takes a page, or the shelf it stands on, out of this process's memory: what was read stays counted as the
+  /// process's otherwise. Bytes found there before are read anew when they are looked at again.
+  void forget(PageKey key) const;
   [[nodiscard]] TableSummary summary(int table) const;
   [[nodiscard]] std::uint64_t file_bytes() const;
 
@@ -68,25 +85,36 @@ class ReadTxn {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Fills a new file page by page, in batches of some MiB. The file is whole only after finish(); whoever made its
-/// name removes it if that never comes.
+/// Writes pages into a file that nobody else knows yet, in transactions of some MiB. What was committed survives a
+/// crash and is there when the file is opened again.
 class PageWriter {
  public:
-  /// fails  io, full
+  /// Begins an empty file or goes on with one.
+  /// fails  io, full, corrupt
   explicit PageWriter(std::filesystem::path file);
   ~PageWriter();
   PageWriter(const PageWriter&) = delete;
   PageWriter& operator=(const PageWriter&) = delete;
 
-  /// Positions of one table should rise: the file is then packed full.
-  void put(PageKey key, std::span<const std::byte> page);
-  /// Everything on disk. The file is whole and closed afterwards. Returns its size.
+  /// Replaces a page. Those of one shelf come in a row, in order, all of them: a shelf is written as a whole.
+  void put(PageKey key, std::span<const std::byte> page, std::uint32_t generation = 0);
+  /// Between commits only whole groups of puts are in the file: call it where what was put makes sense on its own.
+  /// Writes when enough has gathered, or at once.
+  void commit(bool now = false);
+  /// What is in the file. Commits first.
+  [[nodiscard]] ReadTxn view();
+  /// Everything on disk and sealed: a digest over every byte of the file, unused ones too, stands at its end. The
+  /// file is whole and closed afterwards. Returns its size.
   std::uint64_t finish();
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// What is wrong with a file's seal, see PageWriter::finish: any byte that has changed since. Reads the whole file.
+/// returns  a sentence, empty if every byte is as it was; fails with not_found, io
+[[nodiscard]] std::string check_seal(const std::filesystem::path& file);
 
 /// Walks the file's trees page by page without LMDB: every pointer inside the file, every node inside its page.
 /// Small trees are always walked when a file is opened; this walks any.

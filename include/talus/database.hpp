@@ -48,6 +48,8 @@ class Snapshot {
 
   [[nodiscard]] const Description& description() const;
   [[nodiscard]] StorageSummary storage() const;
+  /// What it was made from, and how many vertices tolerances select.
+  [[nodiscard]] Provenance provenance() const;
 
   /// The samples a rectangle covers: outward to grid lines (a coordinate within 10⁻⁶ cell of a line is
   /// on it), then clipped to the raster.

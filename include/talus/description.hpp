@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "talus/units.hpp"
@@ -32,7 +33,25 @@ struct Description {
   HeightStep step;
   double minimum = 0, maximum = 0;  ///< heights of valid samples, in the vertical unit
   std::uint64_t void_samples = 0;
-  double void_weight = 1;  ///< see IngestOptions
+  double void_weight = 1;   ///< see IngestOptions
+  double lossy_metres = 0;  ///< how far stored heights may lie from the source's; part of every answer's bound
+};
+
+/// One file that a database was made from.
+struct SourceFile {
+  std::string name;  ///< without its folder
+  std::string driver, type;
+  std::int64_t cols = 0, rows = 0;
+  std::uint64_t bytes = 0, checksum = 0;  ///< of the file: size and XXH3 of 64 bits
+};
+
+/// How a database came about.
+struct Provenance {
+  std::vector<SourceFile> sources;  ///< in the order in which they were laid
+  std::string made_by;              ///< program, version and options that matter to the content
+  std::uint32_t generation = 0;     ///< updates so far
+  /// How many vertices a tolerance selects, before any border: (tolerance in metres, vertices), rising tolerance.
+  std::vector<std::pair<double, std::uint64_t>> vertices_above;
 };
 
 /// Samples of a rectangle, row by row from the north.

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "talus/description.hpp"
 #include "talus/failure.hpp"
@@ -13,39 +15,107 @@
 
 namespace talus {
 
+/// The grid of an existing database, for inputs that are to fit it.
+struct Grid {
+  GridMapping mapping;
+  GridRect extent{{0, 0}, {-1, -1}};  ///< what it holds today; says on which side of the antimeridian new data belongs
+  std::string crs_wkt;
+  std::string vertical_unit = "metre";
+  double metres_per_unit = 1;
+  std::optional<HeightStep> step;  ///< codes must be in this one, as where a database is updated; empty: any will do
+};
+[[nodiscard]] Grid grid_of(const Description& description);
+
+/// How inputs are read.
+struct InputOptions {
+  std::vector<std::string> allow_drivers;  ///< GDAL drivers that may open files, beyond those Talus trusts
+  std::string srs;            ///< the CRS of inputs, said from outside: EPSG:…, WKT or PROJ; empty: what they state
+  std::string vertical_unit;  ///< of inputs, said from outside: metre, foot, us-survey-foot, km, dm, cm, mm
+  /// Resample inputs that are not on it to this grid: any of CRS, cell size in its units (both or none), and
+  /// method (near, bilinear, cubic, average). What is left out is the first input's, and bilinear.
+  std::string target_srs;
+  double target_dx = 0, target_dy = 0;
+  std::string resampling;
+  std::optional<Grid> grid;          ///< or to this one
+  bool priority_resolution = false;  ///< where inputs overlap the one with smaller cells wins, not the later one
+  double height_step = 0;            ///< round heights to multiples of so many metres; 0: keep them
+};
+
+struct IngestProgress {
+  double fraction = 0;       ///< of the whole work, 0 to 1
+  const char* stage = "";    ///< what is being done
+  std::uint64_t samples = 0, all_samples = 0;  ///< settled so far, and in all
+  double seconds = 0;        ///< since the work began
+  double seconds_left = 0;   ///< at the present speed; less than 0: not known yet
+};
+
 struct IngestOptions {
   bool overwrite = false;    ///< replace an existing database; without it one that exists is a failure
+  bool resume = false;       ///< go on with what an interrupted ingest of the same inputs and options left
   double void_weight = 1.0;  ///< metres of error per metre of ground side where a triangle mixes data and void
-  /// Told now and then how much of the work is done, 0 to 1, and in what.
-  std::function<void(double fraction, const char* stage)> progress = {};
+  unsigned threads = 0;      ///< 0: one a core. The database is the same for any number.
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The database is the same.
+  InputOptions inputs;
+  /// Told now and then; may throw to end the work, which can then be resumed.
+  std::function<void(const IngestProgress&)> progress = {};
 };
 
 struct IngestReport {
   Description description;
-  std::uint64_t pages = 0;  ///< pages written
-  std::uint64_t bytes = 0;  ///< size of the database file
+  std::uint64_t pages = 0;            ///< pages written
+  std::uint64_t bytes = 0;            ///< size of the database file
+  std::uint64_t tiles = 0;            ///< settled now, without those an interrupted ingest had left
+  std::uint64_t pages_read_back = 0;  ///< to measure triangles larger than a tile
   double seconds = 0;
+  std::vector<std::string> notes;     ///< sentences on what was found in the inputs
 };
 
-/// Makes a database from one raster.
+/// What an ingest would do.
+struct IngestEstimate {
+  Description description;    ///< without what takes a pass over the samples: minimum, maximum, void_samples
+  std::uint64_t tiles = 0;    ///< to settle
+  std::uint64_t bytes = 0;    ///< of the database, about
+  double seconds = 0;         ///< about
+  unsigned threads = 1;       ///< that memory allows
+  std::vector<std::string> notes;
+};
+
+/// Makes a database from rasters.
 ///
-/// input     a local raster file GDAL reads: Byte, Int16, UInt16, Int32, UInt32, Float32 or Float64, one band
+/// inputs    local raster files GDAL reads: Byte, Int16, UInt16, Int32, UInt32, Float32 or Float64, one band each
 ///           (the first is taken), nodata and NaN are voids; heights within ±10⁶ metres
 /// database  the file to make; work happens in `database`.part and is renamed at the end
 /// fails     not_found, unsupported (driver, type, rotation, more samples than memory), invalid_argument (no band, all
-/// void, a value
-///           that is no height, database exists), full, io; nothing is left behind
-/// cost      memory about 20 bytes a sample, checked beforehand; time about linear
-/// source    exact errors [P98 §5], saturation, pages docs/format/v1.md
+///           void, a value that is no height, database exists, too little memory), full, io. `database` is then as it
+///           was; what was done stays in `database`.part and can be resumed, unless the inputs are at fault
+/// cost      memory as `options` says; time linear, about 50 ns a sample and core; one pass over the samples
+/// source    exact errors [P98 §5], saturation, tiers of blocks [P98 §10], pages docs/format/v2.md
+IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                    const IngestOptions& options = {});
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 
-/// A raster opened for comparison: the same samples `ingest` would take.
+/// Puts new or corrected data into a database: it then holds what an ingest of everything would have made, the new inputs
+/// last. Only tiles that the new data touches, and what depends on them, are computed and written; the rest of the file
+/// is copied. Readers keep what they opened; the new file takes the name in one step.
 ///
-/// fails  as ingest does for its input
+/// inputs   as for ingest, brought onto the database's grid; a void does not cover data
+/// options  void_weight, overwrite and resume are not looked at
+/// fails    as ingest; not_found, corrupt: the database. It is then as it was
+IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                    const IngestOptions& options = {});
+
+/// What ingest would do, from the inputs' headers and a few of their tiles. Writes nothing.
+IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const IngestOptions& options = {});
+
+/// Inputs opened for comparison: the same samples `ingest` would take.
+///
+/// inputs  raster files, folders of them, and "@list.txt", which names one a line
+/// fails   as ingest does for its inputs
 class Raster {
  public:
   explicit Raster(const std::filesystem::path& input);
+  Raster(const std::vector<std::filesystem::path>& inputs, const InputOptions& options);
   ~Raster();
   Raster(Raster&&) noexcept;
   Raster& operator=(Raster&&) noexcept;

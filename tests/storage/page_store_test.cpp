@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,7 +32,7 @@ Bytes random_bytes(Random& random, std::size_t size) {
   return bytes;
 }
 
-Bytes copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+Bytes copy(const StoredPage& page) { return {page.content.begin(), page.content.end()}; }
 
 void write(const fs::path& file, const Pages& pages) {
   PageWriter writer(file);
@@ -47,7 +48,7 @@ Pages random_pages(Random& random, int count, int most_bytes) {
         random.chance(0.5) ? random.next() : static_cast<std::uint64_t>(random.between(0, 300));
     const auto size =
         static_cast<std::size_t>(random.chance(0.2) ? random.between(0, 10) : random.between(0, most_bytes));
-    pages[{random.between(kHeaderTable, 31), position}] = random_bytes(random, size);
+    pages[{random.between(kHeaderTable, kRecordTable), position}] = random_bytes(random, size);
   }
   return pages;
 }
@@ -82,13 +83,16 @@ TEST(PageStore, AgreesWithAMap) {
     write(folder / "a.talus", pages);
     const ReadTxn txn(PageStore::open(folder / "a.talus"));
     expect_holds(txn, pages);
-    for (int table = kHeaderTable; table < 32; ++table) {
+    for (int table = kHeaderTable; table <= kRecordTable; ++table) {
       std::vector<std::uint64_t> expected, found;
       std::uint64_t bytes = 0;
+      std::set<std::uint64_t> shelves;
       for (const auto& [key, page] : pages) {
         if (key.table != table) continue;
         expected.push_back(key.position);
-        bytes += page.size() + kChecksumBytes;
+        bytes += page.size() + kPagePrefixBytes;
+        if (is_shelved(table) && shelves.insert(key.position >> kShelfShift).second)
+          bytes += kChecksumBytes + 4 * kShelfPages;  // its directory
       }
       txn.for_each(table, [&](std::uint64_t position) { found.push_back(position); });
       EXPECT_EQ(found, expected) << "table " << table << ": order, or what is there";
@@ -111,16 +115,53 @@ TEST(PageStore, TakesPositionsOutOfOrder) {
   {
     PageWriter writer(folder / "a.talus");
     for (const std::uint64_t position : {7u, 3u, 9u, 1u, 8u, 0u}) {
-      pages[{0, position}] = random_bytes(random, 3000);
-      writer.put({0, position}, pages[{0, position}]);
+      for (const PageKey key : {PageKey{1, position}, PageKey{0, 64 * position + 5}}) {
+        pages[key] = random_bytes(random, 3000);
+        writer.put(key, pages[key]);
+      }
     }
     writer.finish();
   }
   const ReadTxn txn(PageStore::open(folder / "a.talus"));
   expect_holds(txn, pages);
-  std::vector<std::uint64_t> order;
-  txn.for_each(0, [&](std::uint64_t position) { order.push_back(position); });
-  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  for (const int table : {0, 1}) {
+    std::vector<std::uint64_t> order;
+    txn.for_each(table, [&](std::uint64_t position) { order.push_back(position); });
+    EXPECT_EQ(order.size(), 6u);
+    EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  }
+}
+
+TEST(PageStore, AShelfIsReplacedAsAWhole) {
+  const TempFolder folder;
+  Random random(11);
+  const Bytes a = random_bytes(random, 500), b = random_bytes(random, 700);
+  {
+    PageWriter writer(folder / "a.talus");
+    for (const std::uint64_t i : {0u, 1u, 63u, 64u}) writer.put({0, i}, a);
+    writer.commit(true);
+    writer.put({0, 1}, b, 7);
+    writer.finish();
+  }
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  EXPECT_FALSE(txn.find({0, 0}).has_value());
+  EXPECT_FALSE(txn.find({0, 63}).has_value());
+  EXPECT_EQ(copy(*txn.find({0, 1})), b);
+  EXPECT_EQ(txn.find({0, 1})->generation, 7u);
+  EXPECT_EQ(copy(*txn.find({0, 64})), a) << "another shelf";
+  EXPECT_TRUE(txn.has({0, 5})) << "its shelf is there";
+  EXPECT_FALSE(txn.has({0, 128}));
+}
+
+TEST(PageStore, WhatWasForgottenIsReadAnew) {
+  const TempFolder folder;
+  Random random(12);
+  const Pages pages = random_pages(random, 60, 20000);
+  write(folder / "a.talus", pages);
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  expect_holds(txn, pages);
+  for (const auto& [key, bytes] : pages) txn.forget(key);
+  expect_holds(txn, pages);
 }
 
 TEST(PageStore, PositionsAreOrderedAsNumbersNotAsLittleEndianBytes) {
@@ -139,7 +180,10 @@ TEST(PageStore, GrowsBeyondItsFirstMap) {
   std::uint64_t bytes = 0;
   {
     PageWriter writer(folder / "a.talus");
-    for (std::uint64_t i = 0; i < 80; ++i) writer.put({0, i}, page);
+    for (std::uint64_t i = 0; i < 80; ++i) {
+      writer.put({0, i}, page);
+      writer.commit();
+    }
     bytes = writer.finish();
   }
   EXPECT_GT(bytes, std::uint64_t{80} << 20);
@@ -167,7 +211,7 @@ TEST(PageStore, OpeningTheSameFileTwiceSharesOneEnvironment) {
   EXPECT_EQ(two.file(), one.file()) << "the second opening is the first one's environment";
   const ReadTxn first(one), second(two);
   const PageKey key = pages.begin()->first;
-  EXPECT_EQ(first.find(key)->data(), second.find(key)->data()) << "one map";
+  EXPECT_EQ(first.find(key)->content.data(), second.find(key)->content.data()) << "one map";
   expect_holds(second, pages);
 }
 
@@ -235,7 +279,7 @@ struct Known {
 TEST(PageStore, ADamagedPageIsCorruptAndItsNeighbourIsNot) {
   for (const std::size_t size : {100u, 9000u}) {
     const Known known(size);
-    for (const std::size_t at : {known.at, known.at + size - 1, known.at - 1, known.at - kChecksumBytes}) {
+    for (const std::size_t at : {known.at, known.at + size - 1, known.at - 1, known.at - kPagePrefixBytes}) {
       Bytes bytes = known.bytes;
       bytes[at] ^= std::byte{0x10};
       const fs::path file = known.folder / ("b" + std::to_string(at));
@@ -251,7 +295,7 @@ TEST(PageStore, APageStoredUnderAnotherKeyIsCorrupt) {
   // The key stands before the value: position 5 becomes 4, which keeps the order.
   const Known known(100);
   Bytes bytes = known.bytes;
-  const std::size_t last_of_key = known.at - kChecksumBytes - 1;
+  const std::size_t last_of_key = known.at - kPagePrefixBytes - 1;
   ASSERT_EQ(bytes[last_of_key], std::byte{5});
   bytes[last_of_key] = std::byte{4};
   write_file(known.folder / "b.talus", bytes);
@@ -260,12 +304,74 @@ TEST(PageStore, APageStoredUnderAnotherKeyIsCorrupt) {
   EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({2, 4})); }), Cause::corrupt);
 }
 
-TEST(PageStore, ChecksumsDifferByTableAndPosition) {
+TEST(PageStore, ChecksumsDifferByTablePositionAndGeneration) {
   const Bytes content(10, std::byte{1});
-  EXPECT_EQ(page_checksum({2, 5}, content), page_checksum({2, 5}, content));
-  EXPECT_NE(page_checksum({2, 5}, content), page_checksum({3, 5}, content));
-  EXPECT_NE(page_checksum({2, 5}, content), page_checksum({2, 6}, content));
-  EXPECT_NE(page_checksum({kHeaderTable, 0}, content), page_checksum({0, 0}, content));
+  EXPECT_EQ(page_checksum({2, 5}, 0, content), page_checksum({2, 5}, 0, content));
+  EXPECT_NE(page_checksum({2, 5}, 0, content), page_checksum({3, 5}, 0, content));
+  EXPECT_NE(page_checksum({2, 5}, 0, content), page_checksum({2, 6}, 0, content));
+  EXPECT_NE(page_checksum({2, 5}, 0, content), page_checksum({2, 5}, 1, content));
+  EXPECT_NE(page_checksum({kHeaderTable, 0}, 0, content), page_checksum({0, 0}, 0, content));
+}
+
+TEST(PageStore, DamageToAShelfIsCorruptOrElsewhere) {
+  const TempFolder folder;
+  Random random(13);
+  Pages pages;
+  for (std::uint64_t i = 0; i < 64; i += 3) pages[{0, i}] = random_bytes(random, 400);
+  write(folder / "a.talus", pages);
+  const Bytes whole = read_file(folder / "a.talus");
+  const Bytes& first = pages.begin()->second;
+  const auto found = std::search(whole.begin(), whole.end(), first.begin(), first.end());
+  ASSERT_NE(found, whole.end());
+  const auto page_at = static_cast<std::size_t>(found - whole.begin());
+  const std::size_t shelf_at = page_at - kPagePrefixBytes - 4 * kShelfPages - kChecksumBytes;
+  for (std::size_t at = shelf_at; at < page_at + 400; at += 5) {
+    Bytes bytes = whole;
+    bytes[at] ^= std::byte{0x40};
+    const fs::path file = folder / ("b" + std::to_string(at));
+    write_file(file, bytes);
+    const ReadTxn txn(PageStore::open(file));
+    EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({0, 0})); }), Cause::corrupt) << at - shelf_at;
+  }
+}
+
+// ---- the seal ----------------------------------------------------------------------------------------
+
+TEST(Seal, AnyChangedByteOfTheFileIsNoticed) {
+  const TempFolder folder;
+  Random random(14);
+  write(folder / "a.talus", random_pages(random, 40, 3000));
+  EXPECT_EQ(check_seal(folder / "a.talus"), "");
+  const Bytes whole = read_file(folder / "a.talus");
+  for (std::size_t at = 0; at < whole.size(); at += 997) {
+    Bytes bytes = whole;
+    bytes[at] ^= std::byte{1};
+    write_file(folder / "b.talus", bytes);
+    EXPECT_NE(check_seal(folder / "b.talus"), "") << at;
+  }
+  for (const std::size_t size : {whole.size() - 1, whole.size() - 32, whole.size() / 2}) {
+    write_file(folder / "b.talus", std::span(whole).first(size));
+    EXPECT_NE(check_seal(folder / "b.talus"), "") << size;
+  }
+  Bytes longer = whole;
+  longer.push_back(std::byte{0});
+  write_file(folder / "b.talus", longer);
+  EXPECT_NE(check_seal(folder / "b.talus"), "");
+}
+
+TEST(Seal, AFileThatIsWrittenAgainIsSealedAgain) {
+  const TempFolder folder;
+  write(folder / "a.talus", {{{1, 1}, Bytes(5000)}});
+  {
+    PageWriter writer(folder / "a.talus");
+    EXPECT_NE(check_seal(folder / "a.talus"), "") << "while it is written";
+    writer.put({1, 2}, Bytes(100));
+    writer.finish();
+  }
+  EXPECT_EQ(check_seal(folder / "a.talus"), "");
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  EXPECT_TRUE(txn.find({1, 1}).has_value());
+  EXPECT_TRUE(txn.find({1, 2}).has_value());
 }
 
 TEST(PageStore, AMissingFileIsNotFoundAndWhatIsNoDatabaseIsCorrupt) {
@@ -379,6 +485,31 @@ TEST(Structure, DamagedHeadersAreFound) {
     EXPECT_TRUE(refused(changed(bytes, page, 40, std::uint32_t{100}))) << "page size";
     EXPECT_TRUE(refused(changed(bytes, page, 10, std::uint16_t{2}))) << "no header";
   }
+}
+
+TEST(PageWriter, WhatWasCommittedIsThereWhenItIsOpenedAgain) {
+  const TempFolder folder;
+  const Bytes page(100, std::byte{3});
+  {
+    PageWriter writer(folder / "a.talus");
+    writer.put({0, 1}, page);
+    writer.commit(true);
+    writer.put({0, 70}, page);  // never committed
+  }
+  PageWriter writer(folder / "a.talus");
+  const ReadTxn view = writer.view();
+  EXPECT_EQ(copy(*view.find({0, 1})), page);
+  EXPECT_FALSE(view.find({0, 70}).has_value());
+}
+
+TEST(PageWriter, AViewShowsWhatWasPut) {
+  const TempFolder folder;
+  PageWriter writer(folder / "a.talus");
+  const Bytes page(100, std::byte{3});
+  writer.put({0, 1}, page);
+  EXPECT_TRUE(writer.view().find({0, 1}).has_value());
+  writer.put({4, 9}, page);
+  EXPECT_TRUE(writer.view().find({4, 9}).has_value()) << "a table that was not there before";
 }
 
 TEST(PageWriter, LeavesNothingThatOpensIfItDoesNotFinish) {

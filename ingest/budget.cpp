@@ -1,0 +1,49 @@
+#include "ingest/budget.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "ingest/panels.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+// Measured with `bench/ingest.sh memory`: the program and its libraries; what one thread works in, its results
+// included; pages that wait for their transaction, here and in LMDB.
+constexpr std::uint64_t kProgram = 72 * kMiB, kThread = 56 * kMiB, kWriting = 56 * kMiB;
+
+/// Posts, errors and holds of every 64th sample.
+std::uint64_t coarse_bytes(GridRect extent) {
+  return static_cast<std::uint64_t>(extent.samples() / (kBlockSide * kBlockSide) * 24) + kMiB;
+}
+
+}  // namespace
+
+Budget budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code) {
+  Budget budget;
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  budget.gdal_cache_bytes = std::clamp(memory_bytes / 8, 16 * kMiB, 256 * kMiB);
+  const std::uint64_t fixed = kProgram + kWriting + budget.gdal_cache_bytes + coarse_bytes(extent);
+  // Of two panels one is worked on while the next is read.
+  const auto needed = [&](unsigned crew, std::int32_t across) {
+    return fixed + crew * kThread + 2 * window_bytes(across, bytes_a_code);
+  };
+  if (needed(1, 1) > memory_bytes) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--memory {} MiB: {} × {} samples need {} MiB at least", memory_bytes / kMiB,
+                              extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
+  }
+  budget.threads = threads;
+  while (budget.threads > 1 && needed(budget.threads, 1) > memory_bytes) --budget.threads;
+  const GridRect tiles = tiles_of(extent);
+  const auto all = static_cast<std::int32_t>(tiles.cols());
+  while (budget.tiles_across < all && needed(budget.threads, budget.tiles_across + 1) <= memory_bytes)
+    ++budget.tiles_across;
+  return budget;
+}
+
+}  // namespace talus

@@ -1,0 +1,21 @@
+#pragma once
+// What a limit of memory allows.
+
+#include <cstdint>
+
+#include "engine/tile.hpp"
+
+namespace talus {
+
+struct Budget {
+  unsigned threads = 1;
+  std::int32_t tiles_across = 1;  ///< of a panel
+  std::uint64_t gdal_cache_bytes = 0;
+};
+
+/// `threads` 0: one a core. Fewer threads are taken where memory is short; results do not depend on it.
+/// fails  invalid_argument: too little to work in, naming what would do
+[[nodiscard]] Budget budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent,
+                                std::size_t bytes_a_code);
+
+}  // namespace talus

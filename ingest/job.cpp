@@ -1,0 +1,299 @@
+#include "ingest/job.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "engine/coarse_levels.hpp"
+#include "ingest/crew.hpp"
+#include "ingest/gdal_scope.hpp"
+#include "ingest/ground.hpp"
+
+namespace talus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What of the time goes into tiles; the rest is settling the levels above them and sealing the file.
+constexpr double kTileShare = 0.97;
+
+class Teller {
+ public:
+  Teller(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
+
+  void tiles(std::uint64_t samples) { tell(samples, "tiles", kTileShare); }
+  void rest(const char* stage, double fraction) { say(stage, fraction, all()); }
+
+ private:
+  [[nodiscard]] std::uint64_t all() const { return static_cast<std::uint64_t>(job_.description.extent.samples()); }
+  void tell(std::uint64_t samples, const char* stage, double share) {
+    say(stage, share * static_cast<double>(samples) / static_cast<double>(all()), samples);
+  }
+  void say(const char* stage, double fraction, std::uint64_t samples) {
+    if (!job_.options.progress) return;
+    const double seconds = std::chrono::duration<double>(Clock::now() - job_.started).count();
+    const double before = kTileShare * static_cast<double>(before_) / static_cast<double>(all());
+    const double left = fraction > before + 0.005 ? seconds * (1 - fraction) / (fraction - before) : -1;
+    job_.options.progress({fraction, stage, samples, all(), seconds, left});
+  }
+
+  const Job& job_;
+  std::uint64_t before_;  // settled by an ingest that was interrupted
+};
+
+/// What a future holds; meanwhile the caller is told, and may throw.
+template <class Result>
+Result wait_for(std::future<Result>& future, Teller& teller, std::uint64_t samples) {
+  while (future.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) teller.tiles(samples);
+  return future.get();
+}
+
+// ---- stage one: tiles ------------------------------------------------------------------------------
+
+TilePages settle_tile(const Job& job, TileId id, const std::shared_ptr<const Window>& panel) {
+  const GridRect part = tile_window(id, job.description.extent);
+  if (part.cols() <= 0 || part.rows() <= 0) return {};
+  const Window window = cut(*panel, part);
+  TileInput input;
+  input.id = id;
+  input.extent = job.description.extent;
+  std::visit([&](const auto& codes) { input.heights = std::span(codes); }, window.codes);
+  input.valid = window.valid;
+  input.distance = job.distance;
+  input.ground_side = [&](const HalfDiamond& t) { return job.ground.longest_side(t).value; };
+  input.void_weight = job.description.void_weight;
+  return pack_tile(id, tile_errors(input), window.valid, job.making);
+}
+
+PageKey record_key(TileId id) { return {kRecordTable, curve_position({1, id.x, id.y})}; }
+TileId tile_at(std::uint64_t position) {
+  const PageId id = page_at(1, position);
+  return {id.x, id.y};
+}
+
+std::uint64_t own_samples(TileId id, GridRect extent) {
+  const GridRect r{{std::max(id.x * kTileSide, extent.first.col), std::max(id.y * kTileSide, extent.first.row)},
+                   {std::min(id.x * kTileSide + kTileSide - 1, extent.last.col),
+                    std::min(id.y * kTileSide + kTileSide - 1, extent.last.row)}};
+  return r.cols() > 0 && r.rows() > 0 ? static_cast<std::uint64_t>(r.samples()) : 0;
+}
+
+void put(PageWriter& writer, TileId id, const TilePages& tile, std::uint64_t& pages) {
+  for (const PageBytes& page : tile.pages) writer.put(page.key, page.content, page.generation);
+  pages += tile.pages.size();
+  writer.put(record_key(id), encode(tile.summary), tile.summary.entry.generation);
+  writer.commit();
+}
+
+/// Panel by panel: while one is worked on, the next is read. Results are written in order, so that the file is the same
+/// for any number of threads.
+void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
+  std::vector<Panel> panels = panels_of(job.description.extent, job.budget.tiles_across);
+  std::uint64_t settled = 0;
+  {
+    const ReadTxn done = writer.view();
+    for (Panel& panel : panels) {
+      std::erase_if(panel.tiles, [&](TileId id) {
+        const bool keep = done.has(record_key(id)) && !job.is_stale(id);
+        if (keep) settled += own_samples(id, job.description.extent);
+        return keep;
+      });
+    }
+  }
+  std::erase_if(panels, [](const Panel& panel) { return panel.tiles.empty(); });
+  if (panels.empty()) return;
+  Teller teller(job, settled);
+  teller.tiles(settled);
+
+  std::shared_ptr<const Window> before;
+  Crew crew(job.budget.threads);  // after what its work looks at
+  const auto read = [&](std::size_t i) {
+    return crew.give([&job, &panels, i, before] { return read_panel(panels[i], before, job.read); });
+  };
+  auto next = read(0);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    before = wait_for(next, teller, settled);
+    if (i + 1 < panels.size()) next = read(i + 1);
+    std::deque<std::future<TilePages>> under_way;
+    const std::vector<TileId>& tiles = panels[i].tiles;
+    for (std::size_t done = 0, given = 0; done < tiles.size(); ++done) {
+      for (; given < tiles.size() && under_way.size() < 2 * job.budget.threads; ++given) {
+        under_way.push_back(
+            crew.give([&job, id = tiles[given], panel = before] { return settle_tile(job, id, panel); }));
+      }
+      const TilePages tile = wait_for(under_way.front(), teller, settled);
+      under_way.pop_front();
+      put(writer, tiles[done], tile, report.pages);
+      ++report.tiles;
+      settled += own_samples(tiles[done], job.description.extent);
+      teller.tiles(settled);
+    }
+  }
+}
+
+// ---- stage two: what is larger than a tile -----------------------------------------------------------
+
+struct Totals {
+  std::uint64_t valid = 0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  ErrorHistogram errors{};
+  std::unordered_map<std::uint64_t, ChildEntry> entries;  ///< of the pages of band 1
+
+  void take(TileId id, const TileSummary& summary) {
+    valid += summary.valid_samples;
+    if (summary.valid_samples > 0) {
+      lowest = std::min(lowest, summary.lowest);
+      highest = std::max(highest, summary.highest);
+    }
+    for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += summary.errors[i];
+    if (summary.entry.present) entries.emplace(curve_position({1, id.x, id.y}), summary.entry);
+  }
+};
+
+/// The levels above tiles; their pages wait, for as long as the file is looked at nothing may be written into it.
+Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, std::vector<PageBytes>& pages) {
+  const ReadTxn view = writer.view();
+  Totals totals;
+  const GroundSide ground = [&](const HalfDiamond& t) { return job.ground.longest_side(t).value; };
+  CoarseLevels levels(job.description.extent, job.distance, ground, job.description.void_weight);
+  const ForEachTile tiles = [&](const auto& visit) {
+    view.for_each(kRecordTable, [&](std::uint64_t position) {
+      const auto stored = view.find({kRecordTable, position});
+      visit(tile_at(position), decode_tile_summary(stored->content));
+      view.forget({kRecordTable, position});
+    });
+  };
+  tiles([&](TileId id, const TileSummary& summary) { totals.take(id, summary); });
+  PageDecoder decoder;
+  const ReadBack read_back = [&](PageId id) -> const Page* {
+    const PageKey key{id.band, curve_position(id)};
+    const auto stored = view.find(key);
+    if (!stored) return nullptr;
+    const Page& page = decoder.decode(id, job.description.extent, job.making.bands, stored->content);
+    view.forget(key);
+    return &page;
+  };
+  if (totals.valid == 0) return totals;
+  levels.settle(tiles, read_back);
+  report.pages_read_back = levels.pages_read_back();
+  pack_coarse(levels, totals.entries, job.making, [&](PageBytes page) { pages.push_back(std::move(page)); });
+  return totals;
+}
+
+std::vector<std::uint32_t> top_generations(const Job& job, const std::vector<PageBytes>& pages) {
+  std::vector<std::uint32_t> tops;
+  for (const PageId id : pages_of_band(job.making.bands - 1, job.description.extent)) {
+    const PageKey key{id.band, curve_position(id)};
+    const auto found = std::find_if(pages.begin(), pages.end(), [&](const PageBytes& p) { return p.key == key; });
+    tops.push_back(found == pages.end() ? 0 : found->generation);
+  }
+  return tops;
+}
+
+void finish(Job& job, PageWriter& writer, const Totals& totals, const std::vector<PageBytes>& pages,
+            Provenance provenance) {
+  Description& d = job.description;
+  const auto all = static_cast<std::uint64_t>(d.extent.samples());
+  d.void_samples = all - totals.valid;
+  d.minimum = totals.lowest;
+  d.maximum = totals.highest;
+  for (const PageBytes& page : pages) writer.put(page.key, page.content, page.generation);
+  const Manifest manifest{d, job.making.bands, provenance.generation, top_generations(job, pages)};
+  for (std::size_t i = 0; i < kErrorRungs; ++i) provenance.vertices_above.emplace_back(error_rung(i), totals.errors[i]);
+  writer.put({kHeaderTable, kPlanPosition}, {}, provenance.generation);  // nothing is left to resume
+  writer.put({kHeaderTable, kProvenancePosition}, encode(provenance), provenance.generation);
+  writer.put({kHeaderTable, kManifestPosition}, encode(manifest), provenance.generation);
+}
+
+std::string seam_note(const SeamReport& seams) {
+  if (seams.different == 0) return "";
+  return fmt::format("where inputs overlap, {} of {} samples differ, most by {} m at {}, {}: {} covers {}", seams.different,
+                     seams.compared, seams.largest_m, seams.x, seams.y, seams.covering, seams.covered);
+}
+
+void require_sense(const IngestOptions& options) {
+  if (!(options.void_weight >= 0) || options.void_weight > 1e6) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
+  }
+}
+
+}  // namespace
+
+Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow read, const IngestOptions& options) {
+  require_sense(options);
+  Job job{options, description, std::move(read), {}, {}, ground_scale(description), {}, {}};
+  const Description& d = job.description;
+  job.is_stale = [](TileId) { return false; };
+  job.making = {d.extent, d.step, band_count(d.extent), [](PageKey, std::span<const std::byte>) { return 0u; }};
+  job.distance = CodeDistance(d.step, d.metres_per_unit);
+  job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code);
+  return job;
+}
+
+IngestEstimate estimate(const Job& job, const Source& source) {
+  IngestEstimate sum;
+  sum.description = job.description;
+  sum.threads = job.budget.threads;
+  std::vector<TileId> tiles;
+  for (const Panel& panel : panels_of(job.description.extent, 1)) {
+    for (const TileId id : panel.tiles) {
+      if (source.touches(tile_window(id, job.description.extent))) tiles.push_back(id);
+    }
+  }
+  sum.tiles = tiles.size();
+  constexpr std::size_t kTried = 5;
+  const std::size_t tried = std::min(kTried, tiles.size());
+  double samples = 0, seconds = 0, bytes = 0, all = 0;
+  for (const TileId id : tiles) all += static_cast<double>(own_samples(id, job.description.extent));
+  for (std::size_t i = 0; i < tried; ++i) {
+    const TileId id = tiles[(2 * i + 1) * tiles.size() / (2 * tried)];
+    const auto begun = Clock::now();
+    const GridRect window = tile_window(id, job.description.extent);
+    const TilePages tile = settle_tile(job, id, std::make_shared<Window>(job.read(window, window)));
+    seconds += std::chrono::duration<double>(Clock::now() - begun).count();
+    samples += static_cast<double>(own_samples(id, job.description.extent));
+    for (const PageBytes& page : tile.pages) bytes += static_cast<double>(page.content.size());
+    bytes += static_cast<double>(encode(tile.summary).size());
+  }
+  if (samples > 0) {
+    sum.bytes = static_cast<std::uint64_t>(bytes / samples * all * 1.02);  // coarse levels, and what LMDB adds
+    sum.seconds = seconds / samples * all / job.budget.threads;
+  }
+  sum.notes = source.notes();
+  return sum;
+}
+
+IngestReport run(Job& job, const Source& source, Provenance provenance, PageWriter& writer) {
+  const RasterCache cache(job.budget.gdal_cache_bytes);
+  IngestReport report;
+  settle_tiles(job, writer, report);
+  Teller teller(job, 0);
+  teller.rest("levels above tiles", kTileShare);
+  std::vector<PageBytes> coarse;
+  const Totals totals = settle_coarse(job, writer, report, coarse);
+  if (totals.valid == 0) {
+    throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest",
+                                                       job.description.source_name, job.description.extent.samples()));
+  }
+  report.pages += coarse.size();
+  teller.rest("checksums of the inputs", 0.98);
+  for (std::size_t i = 0; i < source.inputs().size(); ++i) {
+    const InputFile& input = source.inputs()[i];
+    provenance.sources.push_back(
+        {input.name, input.driver, input.type, input.cols, input.rows, input.bytes, source.checksum(i)});
+  }
+  finish(job, writer, totals, coarse, std::move(provenance));
+  teller.rest("sealing", 0.99);
+  report.bytes = writer.finish();
+  report.description = job.description;
+  report.notes = source.notes();
+  if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);
+  return report;
+}
+
+}  // namespace talus

@@ -1,0 +1,44 @@
+#pragma once
+// The work that an ingest and an update have in common: the steps of docs/architecture.md as code.
+
+#include <chrono>
+#include <functional>
+
+#include "engine/geodesy.hpp"
+#include "engine/manifest.hpp"
+#include "ingest/budget.hpp"
+#include "ingest/panels.hpp"
+#include "ingest/source.hpp"
+#include "ingest/tile_pages.hpp"
+#include "storage/page_store.hpp"
+#include "talus/ingest.hpp"
+
+namespace talus {
+
+/// Read by all threads, changed by none.
+struct Job {
+  const IngestOptions& options;
+  Description description;
+  ReadWindow read;
+  std::function<bool(TileId)> is_stale;  ///< whether a tile that is there must be made anew
+  PageMaking making;
+  // From these follow:
+  GroundScale ground;
+  CodeDistance distance;
+  Budget budget;
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+};
+
+/// A job for a raster; heights come from `read`, `bytes_a_code` wide.
+/// fails  invalid_argument: options that make no sense, too little memory
+[[nodiscard]] Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow read,
+                         const IngestOptions& options);
+
+/// Settles a few tiles, keeps nothing and tells what all would take.
+[[nodiscard]] IngestEstimate estimate(const Job& job, const Source& source);
+
+/// Settles all tiles that are not there or are stale, then what is larger than a tile, and finishes the file.
+/// fails  invalid_argument: all void; full, io, and what reading fails with
+[[nodiscard]] IngestReport run(Job& job, const Source& source, Provenance provenance, PageWriter& writer);
+
+}  // namespace talus

@@ -1,0 +1,277 @@
+#include "ingest/tile_pages.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <variant>
+
+namespace talus {
+namespace {
+
+using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
+
+/// Triangles that leave the extent are never in a mesh; their bits are 1, so that pages of data only need none.
+std::uint8_t leaving(GridRect extent, GridPoint p) {
+  if (spacing(p) == kRootSpacing) return 15;
+  std::uint8_t bits = 0;
+  const auto triangles = apex_triangles(p);
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!extent.contains(triangles[i].left) || !extent.contains(triangles[i].right))
+      bits = static_cast<std::uint8_t>(bits | 1u << i);
+  }
+  return bits;
+}
+
+Page empty_page(PageId id, const PageMaking& making, bool voids) {
+  Page page;
+  page.id = id;
+  page.bands = making.bands;
+  page.grid = page_grid(id, making.extent);
+  page.heights.resize(page.grid.size());
+  page.errors.assign(page.grid.size(), 0);
+  if (voids) page.valid.resize(page.grid.size());
+  return page;
+}
+
+/// Errors and triangles with data of the page's own vertices. Returns what the page above must know.
+template <class Error, class Covers>
+ChildEntry complete(Page& page, const PageMaking& making, bool voids, Error&& error, Covers&& covers) {
+  if (std::find(page.valid.begin(), page.valid.end(), 0) == page.valid.end()) page.valid.clear();
+  ChildEntry entry = range_of(page, making.step);
+  entry.present = entry.lowest <= entry.highest || page.id.band == making.bands - 1;  // a query starts at the coarsest
+  if (voids) page.covers.assign(page.grid.size(), 0);
+  bool covers_differ = false;
+  const auto own_spacing = static_cast<std::uint32_t>(band_spacing(page.id.band + 1)) - 1;
+  const bool coarsest = page.id.band == making.bands - 1;
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      const GridPoint p = page.grid.at(col, row);
+      if (!coarsest && (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) == 0) continue;  // of a band above
+      const std::size_t i = page.index(col, row);
+      page.errors[i] = error(p);
+      entry.largest = std::max(entry.largest, page.errors[i]);
+      if (!voids) continue;
+      const std::uint8_t with_data = covers(p);
+      entry.present = entry.present || with_data != 0 || page.errors[i] != 0;
+      page.covers[i] = static_cast<std::uint8_t>(with_data | leaving(making.extent, p));
+      covers_differ = covers_differ || page.covers[i] != 15;
+    }
+  }
+  if (!covers_differ && page.valid.empty()) page.covers.clear();
+  return entry;
+}
+
+void with_children(Page& page, ChildEntry& entry, const Entries& below) {
+  page.children.resize(static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross);
+  for (std::size_t i = 0; i < page.children.size(); ++i) {
+    const auto found = below.find(curve_position(child_page(page.id, i)));
+    if (found == below.end() || !found->second.present) continue;
+    page.children[i] = found->second;
+    entry = joined(entry, found->second);
+  }
+}
+
+PageBytes bytes_of(const Page& page, ChildEntry& entry, const PageMaking& making) {
+  PageBytes made{{page.id.band, curve_position(page.id)}, encode(page), 0};
+  made.generation = making.generation(made.key, made.content);
+  entry.generation = made.generation;
+  return made;
+}
+
+/// Counts by error code, turned into counts above each rung.
+class Histogram {
+ public:
+  void count(const Page& page, int bands) {
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        if (band_of(page.grid.at(col, row), bands) == page.id.band) ++by_code_[page.errors[page.index(col, row)]];
+      }
+    }
+  }
+  [[nodiscard]] ErrorHistogram above_rungs() const {
+    ErrorHistogram above{};
+    for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
+      for (std::size_t code = largest_code_within(error_rung(rung)) + 1u; code < by_code_.size(); ++code)
+        above[rung] += by_code_[code];
+    }
+    return above;
+  }
+
+ private:
+  std::vector<std::uint32_t> by_code_ = std::vector<std::uint32_t>(kAlwaysSelected + 1u);
+};
+
+class TilePacker {
+ public:
+  TilePacker(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making)
+      : id_(id), tile_(tile), valid_(valid), making_(making), window_(tile_window(id, making.extent)) {}
+
+  TilePages run() {
+    if (tile_.all_void) {
+      hold_voids();
+      return std::move(made_);
+    }
+    made_.summary.record = tile_.record;
+    const PageId parent{1, id_.x, id_.y};
+    Entries below;
+    // The children of a page are one run of the curve: 64 positions.
+    std::vector<PageId> children;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
+      children.push_back(child_page(parent, i));
+    std::sort(children.begin(), children.end(),
+              [](PageId a, PageId b) { return curve_position(a) < curve_position(b); });
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    for (const PageId id : children) {
+      if (page_grid(id, making_.extent).size() == 0) continue;
+      Page page = samples_of(id);
+      for (std::size_t i = 0; i < page.heights.size(); ++i) {
+        if (!page.valid.empty() && !page.valid[i]) continue;
+        ++made_.summary.valid_samples;
+        lowest = std::min(lowest, page.heights[i]);
+        highest = std::max(highest, page.heights[i]);
+      }
+      ChildEntry entry = finish(page);
+      if (!entry.present) continue;
+      histogram_.count(page, making_.bands);
+      made_.pages.push_back(bytes_of(page, entry, making_));
+      below.emplace(curve_position(id), entry);
+    }
+    if (made_.summary.valid_samples > 0) {
+      const double a = making_.step.value(lowest), b = making_.step.value(highest);
+      made_.summary.lowest = std::min(a, b);  // a negative scale turns them round
+      made_.summary.highest = std::max(a, b);
+    }
+    Page page = samples_of(parent);
+    ChildEntry entry = finish(page);
+    with_children(page, entry, below);
+    entry.present = entry.present || !below.empty();
+    if (entry.present) {
+      histogram_.count(page, making_.bands);
+      made_.pages.push_back(bytes_of(page, entry, making_));
+    }
+    made_.summary.entry = entry;
+    made_.summary.errors = histogram_.above_rungs();
+    keep_posts(page);
+    return std::move(made_);
+  }
+
+ private:
+  /// Without any data, all halves inside the extent are void, and all vertices without a fill.
+  void hold_voids() {
+    TileRecord& record = made_.summary.record;
+    const GridPoint corner{id_.x * kTileSide, id_.y * kTileSide};
+    const GridRect tile{corner, {corner.col + kTileSide, corner.row + kTileSide}};
+    const auto voids_of = [&](GridPoint p) {
+      std::uint8_t holds = 0;
+      for (const int side : {0, 1}) {
+        const HalfDiamond t = half_diamond(p, side);
+        if (inside(t, tile) && inside(t, making_.extent)) holds |= static_cast<std::uint8_t>(kVoid << (2 * side));
+      }
+      return holds;
+    };
+    for (std::int32_t y = 0; y < kTileBlocks; ++y) {
+      for (std::int32_t x = 0; x < kTileBlocks; ++x) {
+        record.blocks[static_cast<std::size_t>(y * kTileBlocks + x)].holds =
+            voids_of({corner.col + x * kBlockSide + kBlockSide / 2, corner.row + y * kBlockSide + kBlockSide / 2});
+      }
+    }
+    for (std::int32_t y = 0; y < TileRecord::kAcross; ++y) {
+      for (std::int32_t x = 0; x < TileRecord::kAcross; ++x) {
+        const GridPoint p{corner.col + x * kBlockSide, corner.row + y * kBlockSide};
+        if (!making_.extent.contains(p)) continue;
+        std::uint8_t& holds = record.holds[static_cast<std::size_t>(y * TileRecord::kAcross + x)];
+        holds = TileRecord::kNoFill;
+        if (spacing(p) < kTileSide) holds |= voids_of(p);
+      }
+    }
+  }
+
+  [[nodiscard]] Page samples_of(PageId id) const {
+    Page page = empty_page(id, making_, !valid_.empty());
+    const std::size_t step = std::size_t{1} << page.grid.shift;
+    std::visit(
+        [&](const auto& codes) {
+          for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+            const std::size_t from = index(page.grid.at(0, row)), to = page.index(0, row);
+            const auto cols = static_cast<std::size_t>(page.grid.cols);
+            for (std::size_t col = 0; col < cols; ++col)
+              page.heights[to + col] = static_cast<double>(codes[from + col * step]);
+            for (std::size_t col = 0; col < cols && !valid_.empty(); ++col)
+              page.valid[to + col] = valid_[from + col * step];
+          }
+        },
+        tile_.heights);
+    return page;
+  }
+
+  [[nodiscard]] ChildEntry finish(Page& page) const {
+    return complete(
+        page, making_, tile_.voids.has_value(), [&](GridPoint p) { return tile_.errors[p]; },
+        [&](GridPoint p) { return tile_.voids->apex_triangles_with_data(p); });
+  }
+
+  /// Every 64th sample, out of the page of band 1, which has every 8th.
+  void keep_posts(const Page& page) {
+    constexpr std::int32_t kStep = kBlockSide >> band_shift(1);
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const std::int32_t x = (page.grid.first.col + col) & (kPageSide - 1);
+        const std::int32_t y = (page.grid.first.row + row) & (kPageSide - 1);
+        if (x % kStep != 0 || y % kStep != 0) continue;
+        const auto post = static_cast<std::size_t>(y / kStep * kTileBlocks + x / kStep);
+        made_.summary.posts[post] = page.heights[page.index(col, row)];
+        made_.summary.post_valid[post] = page.valid.empty() ? 1 : page.valid[page.index(col, row)];
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t index(GridPoint p) const {
+    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() +
+                                    (std::int64_t{p.col} - window_.first.col));
+  }
+
+  TileId id_;
+  const TileErrors& tile_;
+  std::span<const std::uint8_t> valid_;
+  const PageMaking& making_;
+  GridRect window_;
+  TilePages made_;
+  Histogram histogram_;
+};
+
+}  // namespace
+
+TilePages pack_tile(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making) {
+  return TilePacker(id, tile, valid, making).run();
+}
+
+void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& making,
+                 const std::function<void(PageBytes)>& take) {
+  const bool voids = levels.has_voids();
+  for (int band = kFewestBands - 1; band < making.bands; ++band) {
+    Entries above;
+    for (const PageId id : pages_of_band(band, making.extent)) {
+      Page page = empty_page(id, making, voids);
+      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+          const std::size_t i = page.index(col, row);
+          page.heights[i] = levels.height(page.grid.at(col, row));
+          if (voids) page.valid[i] = levels.is_valid(page.grid.at(col, row)) ? 1 : 0;
+        }
+      }
+      ChildEntry entry = complete(
+          page, making, voids, [&](GridPoint p) { return levels.error(p); },
+          [&](GridPoint p) {
+            return height_in_tree(p) >= levels.root_height() ? std::uint8_t{15} : levels.apex_triangles_with_data(p);
+          });
+      with_children(page, entry, entries);
+      entry.present = entry.present || std::any_of(page.children.begin(), page.children.end(),
+                                                   [](const ChildEntry& child) { return child.present; });
+      if (!entry.present) continue;
+      take(bytes_of(page, entry, making));
+      above.emplace(curve_position(id), entry);
+    }
+    entries = std::move(above);
+  }
+}
+
+}  // namespace talus

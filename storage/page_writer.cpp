@@ -1,0 +1,131 @@
+// Writing: pages gather until a transaction's worth is there.
+
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include <fmt/format.h>
+#include <lmdb.h>
+
+#include "storage/environment.hpp"
+#include "storage/seal.hpp"
+#include "storage/shelf.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+
+struct PageWriter::Impl {
+  struct Value {
+    int table;
+    std::uint64_t position;
+    std::vector<std::byte> bytes;
+  };
+  static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
+
+  std::shared_ptr<PageStore::Environment> environment = std::make_shared<PageStore::Environment>();
+  std::size_t map_bytes = std::size_t{64} << 20;
+  std::vector<Value> batch;  // kept until committed: a full map replays it
+  std::size_t batch_bytes = 0;
+  std::array<std::vector<std::byte>, kShelfPages> shelf;  // the one pages are being put on
+  std::optional<std::pair<int, std::uint64_t>> shelf_at;
+
+  [[nodiscard]] MDB_env* env() const { return environment->env.get(); }
+  [[nodiscard]] const std::filesystem::path& file() const { return environment->file; }
+
+  void add(int table, std::uint64_t position, std::vector<std::byte> bytes) {
+    batch_bytes += bytes.size();
+    batch.push_back({table, position, std::move(bytes)});
+  }
+
+  void close_shelf() {
+    if (!shelf_at) return;
+    add(shelf_at->first, shelf_at->second, shelf_value(shelf_at->first, shelf_at->second, shelf));
+    for (auto& page : shelf) page.clear();
+    shelf_at.reset();
+  }
+
+  void write_batch() {
+    close_shelf();
+    while (!try_batch()) {
+      map_bytes *= 2;
+      check(mdb_env_set_mapsize(env(), map_bytes), "grow the map", file());
+    }
+    batch.clear();
+    batch_bytes = 0;
+  }
+
+  /// False if the map is too small for it; nothing is written then.
+  bool try_batch() {
+    if (batch.empty()) return true;
+    MDB_txn* raw = nullptr;
+    check(mdb_txn_begin(env(), nullptr, 0, &raw), "begin", file());
+    TxnPtr txn(raw);
+    for (const auto& [table, position, bytes] : batch) {
+      MDB_dbi dbi = 0;
+      int code = mdb_dbi_open(raw, table_name(table).c_str(), MDB_CREATE, &dbi);
+      if (code == MDB_SUCCESS) {
+        KeyBytes key = key_bytes(position);
+        MDB_val at{key.size(), key.data()};
+        MDB_val content{bytes.size(), const_cast<std::byte*>(bytes.data())};
+        code = mdb_put(raw, dbi, &at, &content, MDB_APPEND);
+        if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &content, 0);  // out of order: found its place
+      }
+      if (code == MDB_MAP_FULL) return false;
+      check(code, "write", file());
+    }
+    int code = mdb_txn_commit(txn.release());
+    if (code == MDB_MAP_FULL) return false;
+    // LMDB calls a write that came up short an I/O error; mostly the disk is full.
+    if (code == EIO && std::filesystem::space(file()).available < batch_bytes) code = ENOSPC;
+    check(code, "commit", file());
+    return true;
+  }
+};
+
+PageWriter::PageWriter(std::filesystem::path file) : impl_(std::make_unique<Impl>()) {
+  PageStore::Environment& made = *impl_->environment;
+  made.file = std::move(file);
+  break_seal(made.file);
+  MDB_env* env = nullptr;
+  check(mdb_env_create(&env), "create environment", made.file);
+  made.env.reset(env);
+  check(mdb_env_set_maxdbs(env, kMaxTables), "set tables", made.file);
+  std::error_code ignored;
+  for (const auto there = std::filesystem::file_size(made.file, ignored); !ignored && impl_->map_bytes < 2 * there;)
+    impl_->map_bytes *= 2;
+  check(mdb_env_set_mapsize(env, impl_->map_bytes), "set map size", made.file);
+  // Nobody else knows the file yet: no lock file.
+  check(mdb_env_open(env, made.file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0644), "create",
+        made.file);
+}
+
+PageWriter::~PageWriter() = default;
+
+void PageWriter::put(PageKey key, std::span<const std::byte> page, std::uint32_t generation) {
+  const std::pair at{key.table, value_position(key)};
+  if (impl_->shelf_at != at) impl_->close_shelf();
+  if (!is_shelved(key.table)) return impl_->add(at.first, at.second, wrapped(key, generation, page));
+  impl_->shelf_at = at;
+  impl_->shelf[key.position % kShelfPages] = wrapped(key, generation, page);
+}
+
+void PageWriter::commit(bool now) {
+  if (now || impl_->batch_bytes >= Impl::kBatchBytes) impl_->write_batch();
+}
+
+ReadTxn PageWriter::view() {
+  impl_->write_batch();
+  impl_->environment->open_tables();
+  return ReadTxn(PageStore(impl_->environment));
+}
+
+std::uint64_t PageWriter::finish() {
+  impl_->write_batch();
+  check(mdb_env_sync(impl_->env(), 1), "sync", impl_->file());
+  const std::filesystem::path file = impl_->file();
+  impl_->environment.reset();
+  put_seal(file);
+  return std::filesystem::file_size(file);
+}
+
+}  // namespace talus
