@@ -6,26 +6,59 @@
 #include "bench/yardstick.hpp"
 #include "engine/page_codec.hpp"
 #include "engine/saturation.hpp"
+#include "engine/tile.hpp"
 #include "engine/triangulation.hpp"
 
 namespace talus {
 namespace {
 
+/// A tile amid a larger raster, and its window of made mountains.
 struct Ground {
-  explicit Ground(int side, double step = 1) : heights(bench::mountains(side)) {
-    for (double& h : heights) h = h * step;
-    extent = {{0, 0}, {side - 1, side - 1}};
-    input.field = {
-        extent, heights, {}, {}, interpolation_is_exact(heights, root_side(extent)), are_whole_numbers(heights)};
+  explicit Ground(Codes window) : codes(std::move(window)) {}
+  Codes codes;
+  std::vector<std::uint8_t> valid;
+  [[nodiscard]] TileInput input() const {
+    return {{1, 1}, {{0, 0}, {4 * kTileSide, 4 * kTileSide}}, view(codes), valid, {}, ground_side, 1};
   }
-  std::vector<double> heights;
-  GridRect extent;
-  ErrorInput input;
+  static double ground_side(const HalfDiamond& t) { return t.s * 180.0; }
 };
 
-const Ground& ground(int side) {
-  static const Ground small(1025), large(4097);
-  return side == 1025 ? small : large;
+constexpr int kWindow = kTileSide + 2 * kHalo;
+
+template <class Code>
+Codes codes(double step, double base) {
+  std::vector<Code> made;
+  for (const double h : bench::mountains(kWindow)) made.push_back(static_cast<Code>(base + h * step));
+  return made;
+}
+
+/// Scattered single voids, or little islands of data: `fraction` of all samples are void.
+Ground with_voids(Codes codes, double fraction, bool islands) {
+  Ground ground(std::move(codes));
+  std::uint64_t state = 1;
+  const auto unit = [&] { return static_cast<double>((state = state * 6364136223846793005u + 1) >> 33) / 2147483648.0; };
+  ground.valid.assign(static_cast<std::size_t>(kWindow) * kWindow, islands ? 0 : 1);
+  if (!islands) {
+    for (auto& v : ground.valid) v = unit() >= fraction;
+    return ground;
+  }
+  double data = 0;
+  while (data < (1 - fraction) * kWindow * kWindow) {
+    const auto col = static_cast<int>(unit() * kWindow), row = static_cast<int>(unit() * kWindow);
+    const int radius = 10 + static_cast<int>(unit() * 50);
+    for (int r = std::max(0, row - radius); r < std::min(kWindow, row + radius); ++r) {
+      for (int c = std::max(0, col - radius); c < std::min(kWindow, col + radius); ++c) {
+        auto& v = ground.valid[static_cast<std::size_t>(r) * kWindow + static_cast<std::size_t>(c)];
+        if (v == 0 && (c - col) * (c - col) + (r - row) * (r - row) < radius * radius) v = 1, ++data;
+      }
+    }
+  }
+  return ground;
+}
+
+const Ground& whole_metres() {
+  static const Ground ground(codes<std::int16_t>(1, 0));
+  return ground;
 }
 
 void samples_per_second(benchmark::State& state, double samples) {
@@ -33,63 +66,75 @@ void samples_per_second(benchmark::State& state, double samples) {
       benchmark::Counter(samples * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
+/// Samples of the tile, the halo's work included in the time.
+void BM_TileErrors(benchmark::State& state, const Ground& ground) {
+  const TileInput input = ground.input();
+  for (auto _ : state) {
+    const TileErrors errors = tile_errors(input);
+    benchmark::DoNotOptimize(&errors);
+  }
+  samples_per_second(state, static_cast<double>(kTileSide) * kTileSide);
+}
+const auto tile_benches = [] {
+  const auto add = [](const std::string& name, auto&& make) {
+    benchmark::RegisterBenchmark(("BM_TileErrors/" + name).c_str(), [make](benchmark::State& state) {
+      const Ground ground = make();
+      BM_TileErrors(state, ground);
+    })->Unit(benchmark::kMillisecond);
+  };
+  add("int16", [] { return whole_metres(); });
+  add("float_decimals", [] { return Ground(codes<float>(0.1, 200)); });
+  add("float_whole_beyond_int16", [] { return Ground(codes<float>(10, 100000)); });
+  add("double_decimals", [] { return Ground(codes<double>(0.1, 200)); });
+  add("int16_10%_scattered_voids", [] { return with_voids(codes<std::int16_t>(1, 0), 0.1, false); });
+  add("int16_0.01%_scattered_voids", [] { return with_voids(codes<std::int16_t>(1, 0), 1e-4, false); });
+  add("int16_50%_voids", [] { return with_voids(codes<std::int16_t>(1, 0), 0.5, true); });
+  add("int16_97%_voids", [] { return with_voids(codes<std::int16_t>(1, 0), 0.97, true); });
+  add("float_decimals_97%_voids", [] { return with_voids(codes<float>(0.1, 200), 0.97, true); });
+  add("int16_all_void", [] {
+    Ground ground = whole_metres();
+    ground.valid.assign(static_cast<std::size_t>(kWindow) * kWindow, 0);
+    return ground;
+  });
+  return 0;
+}();
+
+/// The plain loops that the kernels are held to, of spacings below 64.
 void BM_ErrorsReference(benchmark::State& state) {
-  const Ground& g = ground(static_cast<int>(state.range(0)));
+  const Ground& ground = whole_metres();
+  ErrorInput input;
+  input.field = {{{0, 0}, {kWindow - 1, kWindow - 1}}, view(ground.codes), {}, {}};
   for (auto _ : state) {
-    auto errors = reference_errors(g.input);
-    saturate(g.input, errors);
+    auto errors = reference_errors(input, kTileLevels);
+    saturate(input, errors);
     benchmark::DoNotOptimize(&errors);
   }
-  samples_per_second(state, static_cast<double>(g.extent.samples()));
+  samples_per_second(state, static_cast<double>(kWindow) * kWindow);
 }
-BENCHMARK(BM_ErrorsReference)->ArgName("side")->Arg(1025)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_ErrorsReference)->Unit(benchmark::kMillisecond);
 
-void BM_ErrorsAndSaturation(benchmark::State& state) {
-  const Ground& g = ground(static_cast<int>(state.range(0)));
-  for (auto _ : state) {
-    auto errors = vertex_errors(g.input);
-    saturate(g.input, errors);
-    benchmark::DoNotOptimize(&errors);
+/// The tile's own samples and errors.
+struct Settled {
+  GridRect extent{{kTileSide, kTileSide}, {2 * kTileSide - 1, 2 * kTileSide - 1}};
+  TileErrors tile = tile_errors(whole_metres().input());
+  [[nodiscard]] double height(GridPoint p) const {
+    return code_at(view(tile.heights), static_cast<std::size_t>((p.row - kTileSide + kHalo) * kWindow) +
+                                           static_cast<std::size_t>(p.col - kTileSide + kHalo));
   }
-  samples_per_second(state, static_cast<double>(g.extent.samples()));
+};
+const Settled& settled() {
+  static const Settled s;
+  return s;
 }
-BENCHMARK(BM_ErrorsAndSaturation)->ArgName("side")->Arg(1025)->Arg(4097)->Unit(benchmark::kMillisecond);
 
-/// Float decimetres: not whole numbers, doubles in the kernel.
-void BM_ErrorsAndSaturationFloat(benchmark::State& state) {
-  static const Ground g(1025, 0.1);
-  for (auto _ : state) {
-    auto errors = vertex_errors(g.input);
-    saturate(g.input, errors);
-    benchmark::DoNotOptimize(&errors);
-  }
-  samples_per_second(state, static_cast<double>(g.extent.samples()));
-}
-BENCHMARK(BM_ErrorsAndSaturationFloat)->Unit(benchmark::kMillisecond);
-
-void BM_Saturation(benchmark::State& state) {
-  const Ground& g = ground(static_cast<int>(state.range(0)));
-  auto errors = vertex_errors(g.input);
-  for (auto _ : state) {
-    saturate(g.input, errors);  // the same work each time
-    benchmark::DoNotOptimize(&errors);
-  }
-  samples_per_second(state, static_cast<double>(g.extent.samples()));
-}
-BENCHMARK(BM_Saturation)->ArgName("side")->Arg(4097)->Unit(benchmark::kMillisecond);
-
-RestrictedQuadtree selected(const Ground& g, double tolerance) {
-  static LevelGrid<ErrorCode> errors = [&] {
-    auto e = vertex_errors(g.input);
-    saturate(g.input, e);
-    return e;
-  }();
+RestrictedQuadtree selected(double tolerance) {
+  const Settled& ground = settled();
   RestrictedQuadtree q;
-  q.vertices = VertexMask(g.extent);
-  for (std::int32_t row = 0; row <= g.extent.last.row; ++row) {
-    for (std::int32_t col = 0; col <= g.extent.last.col; ++col) {
+  q.vertices = VertexMask(ground.extent);
+  for (std::int32_t row = ground.extent.first.row; row <= ground.extent.last.row; ++row) {
+    for (std::int32_t col = ground.extent.first.col; col <= ground.extent.last.col; ++col) {
       const GridPoint p{col, row};
-      if (spacing(p) >= errors.root() || error_of(errors[p]) > tolerance) q.vertices.insert(p);
+      if (spacing(p) >= kBlockSide || error_of(ground.tile.errors[p]) > tolerance) q.vertices.insert(p);
     }
   }
   q.vertices.seal();
@@ -98,7 +143,7 @@ RestrictedQuadtree selected(const Ground& g, double tolerance) {
 }
 
 void BM_Triangulation(benchmark::State& state) {
-  const RestrictedQuadtree q = selected(ground(4097), static_cast<double>(state.range(0)));
+  const RestrictedQuadtree q = selected(static_cast<double>(state.range(0)));
   std::size_t triangles = 0;
   for (auto _ : state) {
     const Mesh mesh = triangulate(q);
@@ -113,21 +158,19 @@ BENCHMARK(BM_Triangulation)->ArgName("tolerance_m")->Arg(5)->Arg(20)->Unit(bench
 /// One finest page: what it takes to write and to read it.
 struct Encoded {
   Encoded() {
-    const Ground& g = ground(1025);
-    auto errors = vertex_errors(g.input);
-    saturate(g.input, errors);
-    page.bands = band_count(g.extent);
-    page.id = {0, 1, 1};
-    page.grid = page_grid(page.id, g.extent);
+    const Settled& ground = settled();
+    extent = ground.extent;
+    page.bands = band_count(extent);
+    page.id = {0, 9, 9};
+    page.grid = page_grid(page.id, extent);
     page.implied_midpoints = true;
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
         const GridPoint p = page.grid.at(col, row);
-        page.heights.push_back(g.input.field[p]);
-        page.errors.push_back(page.is_own(p) && !page.is_implied(p, col, row) ? errors[p] : ErrorCode{0});
+        page.heights.push_back(ground.height(p));
+        page.errors.push_back(page.is_own(p) && !page.is_implied(p, col, row) ? ground.tile.errors[p] : ErrorCode{0});
       }
     }
-    extent = g.extent;
     bytes = encode(page);
   }
   Page page;

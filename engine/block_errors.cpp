@@ -6,11 +6,11 @@
 // with no shuffle and no mask. Float is exact for whole numbers while (heights · 2·side) stays within 24
 // bits; other blocks go through in double. Blocks with voids or on the rim take the plain loop.
 
+#include "engine/block_errors.hpp"
+
 #include <algorithm>
 #include <utility>
 #include <vector>
-
-#include "engine/vertex_error.hpp"
 
 namespace talus::detail {
 namespace {
@@ -78,11 +78,17 @@ class BlockGroup {
   /// repeat the last.
   void load(const HeightField& field, GridPoint corner, int count, double reference) {
     for (int row = 0; row < kSide; ++row) {
-      const double* line = &field.heights[field.index({corner.col, corner.row + row})];
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const double* from = line + std::min(lane, count - 1) * kBlockSide;
-        for (int col = 0; col < kSide; ++col) at(col, row)[lane] = static_cast<Real>(from[col] - reference);
-      }
+      const std::size_t start = field.index({corner.col, corner.row + row});
+      std::visit(
+          [&](auto heights) {
+            for (int lane = 0; lane < kLanes; ++lane) {
+              const auto* from = &heights[start] + std::min(lane, count - 1) * kBlockSide;
+              for (int col = 0; col < kSide; ++col) {
+                at(col, row)[lane] = static_cast<Real>(static_cast<double>(from[col]) - reference);
+              }
+            }
+          },
+          field.heights);
     }
   }
 
@@ -188,42 +194,46 @@ std::vector<GridPoint> pattern() {
 }
 
 /// Distances of whole numbers are multiples of 1/64 in a block: the small ones are looked up.
-class Codes {
+class SmallCodes {
  public:
-  explicit Codes(const HeightField& field) : field_(field) {
-    if (!field.whole_numbers || !field.exact) return;
-    small_.resize(kSmall);
-    for (std::size_t i = 0; i < kSmall; ++i) small_[i] = code_of(field, static_cast<double>(i) / kBlockSide);
+  explicit SmallCodes(const CodeDistance& distance) : distance_(distance), small_(kSmall) {
+    for (std::size_t i = 0; i < kSmall; ++i)
+      small_[i] = error_code(distance.metres(static_cast<double>(i) / kBlockSide));
   }
   [[nodiscard]] ErrorCode operator()(double distance) const {
     const double steps = distance * kBlockSide;
-    if (steps < static_cast<double>(small_.size())) return small_[static_cast<std::size_t>(steps)];
-    return code_of(field_, distance);
+    if (steps < static_cast<double>(kSmall)) return small_[static_cast<std::size_t>(steps)];
+    return error_code(distance_.metres(distance));
   }
 
  private:
   static constexpr std::size_t kSmall = 1 << 14;
-  const HeightField& field_;
+  CodeDistance distance_;
   std::vector<ErrorCode> small_;
 };
 
 class BlockErrors {
  public:
   BlockErrors(const ErrorInput& input, LevelGrid<ErrorCode>& errors)
-      : input_(input), field_(input.field), errors_(errors), codes_(input.field), pattern_(pattern()) {}
+      : input_(input), field_(input.field), errors_(errors), codes_(input.field.distance), pattern_(pattern()) {}
 
-  void run() {
-    const GridRect& extent = field_.extent;
-    const std::int32_t first_col = extent.first.col & -kBlockSide, first_row = extent.first.row & -kBlockSide;
-    for (std::int32_t row = first_row; row <= extent.last.row; row += kBlockSide) {
-      for (std::int32_t col = first_col; col <= extent.last.col; col += kBlockSide) {
+  void run(GridRect blocks) {
+    for (std::int32_t row = blocks.first.row; row <= blocks.last.row; ++row) {
+      for (std::int32_t col = blocks.first.col; col <= blocks.last.col; ++col) {
+        const GridPoint corner{col * kBlockSide, row * kBlockSide};
         int count = 0;
-        while (count < kLanes && is_all_data({col + count * kBlockSide, row})) ++count;
+        while (count < kLanes && col + count <= blocks.last.col &&
+               is_all_data({corner.col + count * kBlockSide, corner.row})) {
+          ++count;
+        }
+        for (int i = 0; i < std::max(count, 1); ++i) {
+          centre({corner.col + i * kBlockSide + kBlockSide / 2, corner.row + kBlockSide / 2});
+        }
         if (count == 0) {
-          plain({col, row});
+          plain(corner);
         } else {
-          together({col, row}, count);
-          col += (count - 1) * kBlockSide;
+          together(corner, count);
+          col += count - 1;
         }
       }
     }
@@ -254,49 +264,35 @@ class BlockErrors {
       if (metres > 0) errors_[p] = std::max(errors_[p], error_code(metres));
     }
   }
-
-  void together(GridPoint corner, int count) {
-    const auto [lowest, highest] = field_.whole_numbers ? range(corner, count) : std::pair{0.0, 0.0};
-    // Three terms of at most the range, in steps of 1/(2·32).
-    if (field_.whole_numbers && (highest - lowest) * 3 * kBlockSide < 1 << 24) {
-      evaluate(floats_, corner, count, lowest);
-    } else {
-      evaluate(doubles_, corner, count, 0);
-    }
+  void centre(GridPoint p) {
+    if (!errors_.holds(p)) return;
+    errors_[p] = error_code(std::max(reference_half_error(input_, p, 0), reference_half_error(input_, p, 1)));
   }
 
-  /// Lowest and highest sample of `count` blocks, eight columns at a time.
-  [[nodiscard]] std::pair<double, double> range(GridPoint corner, int count) const {
-    const double first = field_[corner];
-    Lanes<double> above, below;
-    for (std::int32_t row = corner.row; row <= corner.row + kBlockSide; ++row) {
-      const double* from = &field_.heights[field_.index({corner.col, row})];
-      const std::int32_t last = count * kBlockSide - (kLanes - 1);  // the row's last sample included
-      for (std::int32_t i = 0;; i = std::min(i + kLanes, last)) {
-        Lanes<double> h;
-        for (int lane = 0; lane < kLanes; ++lane) h[lane] = from[i + lane] - first;
-        above = larger(above, h);
-        below = larger(below, -h);
-        if (i == last) break;
-      }
+  void together(GridPoint corner, int count) {
+    bool exact = true;
+    for (int i = 0; i < count && input_.bits != nullptr; ++i) {
+      const GridPoint block{(corner.col >> kBlockShift) + i, corner.row >> kBlockShift};
+      exact = exact && (*input_.bits)[block].interpolates_exactly(kBlockSide);
     }
-    double up = 0, down = 0;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      up = std::max(up, above[lane]);
-      down = std::max(down, below[lane]);
+    if (exact) {
+      evaluate(doubles_, corner, count, 0);
+    } else {
+      for (int i = 0; i < count; ++i) plain({corner.col + i * kBlockSide, corner.row});
     }
-    return {first - down, first + up};
   }
 
   template <class Real>
   void evaluate(BlockGroup<Real>& group, GridPoint corner, int count, double reference) {
     group.load(field_, corner, count, reference);
+    const bool whole = input_.bits == nullptr;
     for (const GridPoint q : pattern_) {
       const auto error = group.error(q);
       ErrorCode* code = &errors_[{corner.col + q.col, corner.row + q.row}];
       const int stride = kBlockSide / spacing(q);  // the same vertex of the next block
       for (int lane = 0; lane < count; ++lane, code += stride) {
-        *code = std::max(*code, codes_(static_cast<double>(error[lane])));
+        const auto distance = static_cast<double>(error[lane]);
+        *code = std::max(*code, whole ? codes_(distance) : error_code(field_.distance.metres(distance)));
       }
     }
   }
@@ -304,14 +300,15 @@ class BlockErrors {
   const ErrorInput& input_;
   const HeightField& field_;
   LevelGrid<ErrorCode>& errors_;
-  Codes codes_;
+  SmallCodes codes_;
   std::vector<GridPoint> pattern_;
-  BlockGroup<float> floats_;
   BlockGroup<double> doubles_;
 };
 
 }  // namespace
 
-void block_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) { BlockErrors(input, errors).run(); }
+void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors) {
+  BlockErrors(input, errors).run(blocks);
+}
 
 }  // namespace talus::detail

@@ -1,13 +1,25 @@
 #pragma once
-// Heights of a whole rectangle as the error computation sees them.
+// Heights of a rectangle as the error computation sees them.
 
 #include <cstdint>
 #include <span>
+#include <variant>
+#include <vector>
 
 #include "talus/description.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
+
+/// Height codes in the narrowest type that holds the source's numbers: whole numbers in 16 bits, the numbers
+/// of a Float32 source and whole numbers within 2²⁴, all others.
+using Codes = std::variant<std::vector<std::int16_t>, std::vector<float>, std::vector<double>>;
+using CodeSpan = std::variant<std::span<const std::int16_t>, std::span<const float>, std::span<const double>>;
+
+[[nodiscard]] CodeSpan view(const Codes& codes);
+[[nodiscard]] inline double code_at(const CodeSpan& codes, std::size_t i) {
+  return std::visit([&](auto c) { return static_cast<double>(c[i]); }, codes);
+}
 
 /// From a distance in height codes to metres.
 class CodeDistance {
@@ -27,28 +39,33 @@ class CodeDistance {
 /// own floats.
 struct HeightField {
   GridRect extent;
-  std::span<const double> heights;      ///< samples() of them; void vertices hold their fill
+  CodeSpan heights;                     ///< samples() of them; void vertices hold their fill
   std::span<const std::uint8_t> valid;  ///< 1 where a sample is data; empty: all are
   CodeDistance distance;
-  /// Every interpolation the errors need is exact in double; otherwise errors carry kRoundingMargin.
-  bool exact = true;
-  /// All heights are whole numbers: kernels may use float where the range allows it.
-  bool whole_numbers = true;
 
   [[nodiscard]] std::size_t index(GridPoint p) const {
     return static_cast<std::size_t>((std::int64_t{p.row} - extent.first.row) * extent.cols() +
                                     (std::int64_t{p.col} - extent.first.col));
   }
-  [[nodiscard]] double operator[](GridPoint p) const { return heights[index(p)]; }
+  [[nodiscard]] double operator[](GridPoint p) const { return code_at(heights, index(p)); }
+  [[nodiscard]] bool is_valid(std::size_t i) const { return valid.empty() || valid[i] != 0; }
 };
 
 /// Metres added to a computed error where arithmetic rounds: heights reach 10⁶ m, one evaluation takes
 /// six roundings of at most 2⁻⁵³ of a few times that.
 inline constexpr double kRoundingMargin = 4e-9;
 
-/// True if every dyadic interpolation over triangles up to `side` cells is exact in double: the heights
-/// are multiples of a power of two fine and small enough. Linear time.
-[[nodiscard]] bool interpolation_is_exact(std::span<const double> heights, std::int32_t side);
-[[nodiscard]] bool are_whole_numbers(std::span<const double> heights);
+/// The bits that a set of numbers uses: exponents of the lowest and of the highest. No number: none.
+struct BitRange {
+  static constexpr std::int16_t kNone = 1100;
+  std::int16_t finest = kNone, coarsest = -kNone;
+
+  void take(double h);
+  void take(const BitRange& other);
+  /// True if every dyadic interpolation between such numbers over triangles up to `side` cells is exact in
+  /// double: they are multiples of a power of two fine and small enough.
+  [[nodiscard]] bool interpolates_exactly(std::int32_t side) const;
+  friend bool operator==(const BitRange&, const BitRange&) = default;
+};
 
 }  // namespace talus

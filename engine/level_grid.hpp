@@ -1,5 +1,5 @@
 #pragma once
-// One value for every vertex of every level, those just outside the extent included.
+// One value for every vertex of the finest levels, those just outside the extent included.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,21 +16,22 @@ namespace talus {
 template <class Value>
 class LevelGrid {
  public:
-  LevelGrid(GridRect extent, Value initial) : root_(root_side(extent)) {
-    for (int shift = 0; (std::int32_t{1} << shift) < root_; ++shift) {
+  /// The extent may lie anywhere, and be empty: then nothing is held.
+  LevelGrid(GridRect extent, int levels, Value initial) {
+    for (int shift = 0; shift < levels; ++shift) {
       Level level;
       level.first_col = (extent.first.col >> shift) - kRim;
       level.first_row = (extent.first.row >> shift) - kRim;
-      level.cols = (extent.last.col >> shift) + kRim - level.first_col + 1;
-      level.rows = (extent.last.row >> shift) + kRim - level.first_row + 1;
+      const bool empty = extent.cols() <= 0 || extent.rows() <= 0;
+      level.cols = empty ? 0 : (extent.last.col >> shift) + kRim - level.first_col + 1;
+      level.rows = empty ? 0 : (extent.last.row >> shift) + kRim - level.first_row + 1;
       level.values.assign(static_cast<std::size_t>(level.cols) * static_cast<std::size_t>(level.rows), initial);
       levels_.push_back(std::move(level));
     }
   }
 
   [[nodiscard]] int levels() const { return static_cast<int>(levels_.size()); }
-  [[nodiscard]] std::int32_t root() const { return root_; }
-  /// Whether p is below the root corners and within the rim.
+  /// Whether p is of one of the levels and within the rim.
   [[nodiscard]] bool holds(GridPoint p) const {
     const int shift = height_in_tree(p);
     return shift < levels() && levels_[static_cast<std::size_t>(shift)].holds(p, shift);
@@ -88,7 +89,6 @@ class LevelGrid {
              static_cast<std::size_t>((p.col >> shift) - first_col);
     }
   };
-  std::int32_t root_;
   std::vector<Level> levels_;
 };
 

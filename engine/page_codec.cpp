@@ -43,9 +43,9 @@ ChildEntry range_of(const Page& page, const HeightStep& step) {
 }
 
 double Page::implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance,
-                           bool exact) const {
+                           bool /*exact*/) const {
   const std::size_t here = index(col, row), step = (p.col & 1) != 0 ? 1 : static_cast<std::size_t>(grid.cols);
-  return finest_error(heights[here], heights[here - step], heights[here + step], distance, exact);
+  return finest_error(heights[here], heights[here - step], heights[here + step], distance);
 }
 
 namespace {

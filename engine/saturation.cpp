@@ -25,7 +25,7 @@ class Saturation {
     for (int shift = 0; shift < errors_.levels(); ++shift) {
       const Units level = errors_.units(shift);
       const Units finer = shift == 0 ? Units{} : errors_.units(shift - 1);
-      if (shift > 0 || !input_.field.exact) gather(shift, level, finer, false);
+      if (shift > 0) gather(shift, level, finer, false);  // finest side midpoints are the finest of all
       gather(shift, level, level, true);
     }
   }
@@ -41,7 +41,7 @@ class Saturation {
       for (std::int32_t col = level.first_col + ((level.first_col ^ wanted) & 1); col <= level.last_col; col += 2) {
         ErrorCode& own = level.at(col, row);
         const ErrorCode below = centres ? around(from, col, row) : corners(from, 2 * col, 2 * row);
-        if (!input_.field.exact && own != 0 && below == 0 &&
+        if (input_.bits != nullptr && own != 0 && below == 0 &&
             is_exactly_zero(input_, {col * (1 << shift), row * (1 << shift)})) {
           own = 0;
         }

@@ -4,69 +4,79 @@
 #include <cmath>
 
 namespace talus {
-
-double reference_half_error(const ErrorInput& input, GridPoint vertex, int side) {
-  const HeightField& field = input.field;
-  const HalfDiamond t = half_diamond(vertex, side);
-  if (!inside(t, field.extent)) return 0;
-  const Holds holds = input.voids == nullptr ? kData : input.voids->half(vertex, side);
-  if ((holds & kData) == 0) return 0;
-  const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
-  double largest = 0;
-  for (std::int32_t row = t.top(); row <= t.bottom(); ++row) {
-    const double start = plane.on_row(row);
-    const auto [lo, hi] = t.columns(row);
-    for (std::int32_t col = lo; col <= hi; ++col) {
-      const std::size_t i = field.index({col, row});
-      if (!field.valid.empty() && !field.valid[i]) continue;
-      largest = std::max(largest, std::abs(field.heights[i] - (start + plane.right * (col - plane.col))));
-    }
-  }
-  double metres = field.distance.metres(largest);
-  if (!field.exact) metres += kRoundingMargin;
-  return holds == kMixed ? std::max(metres, detail::mixed_error(input, t)) : metres;
-}
-
-bool halves_exactly(double a, double b, double m) {
-  const double sum = a + b, back = sum - a;
-  const double lost = (a - (sum - back)) + (b - back);
-  return sum == 2 * m && lost == 0;
-}
-
-double finest_error(double height, double end, double other_end, const CodeDistance& distance, bool exact) {
-  const double metres = distance.metres(std::abs(height - (end + other_end) / 2));
-  if (exact) return metres;
-  return halves_exactly(end, other_end, height) ? 0 : metres + kRoundingMargin;
-}
-
 namespace {
 
-template <class Errors>
-LevelGrid<ErrorCode> all_errors(const ErrorInput& input, Errors&& fill) {
-  LevelGrid<ErrorCode> errors(input.field.extent, 0);
-  fill(errors);
-  return errors;
+/// Largest distance, in codes, of the valid samples of the closed triangle.
+double largest_distance(const HeightField& field, const HalfDiamond& t) {
+  const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
+  return std::visit(
+      [&](auto heights) {
+        double largest = 0;
+        for (std::int32_t row = t.top(); row <= t.bottom(); ++row) {
+          const double start = plane.on_row(row);
+          const auto [lo, hi] = t.columns(row);
+          std::size_t i = field.index({lo, row});
+          for (std::int32_t col = lo; col <= hi; ++col, ++i) {
+            if (!field.is_valid(i)) continue;
+            const double on_plane = start + plane.right * (col - plane.col);
+            largest = std::max(largest, std::abs(static_cast<double>(heights[i]) - on_plane));
+          }
+        }
+        return largest;
+      },
+      field.heights);
 }
 
 }  // namespace
 
-LevelGrid<ErrorCode> reference_errors(const ErrorInput& input) {
-  return all_errors(input, [&](LevelGrid<ErrorCode>& errors) {
-    for (int shift = 0; shift < errors.levels(); ++shift) {
-      for (const bool centres : {false, true}) {
-        errors.for_each(shift, centres, [&](GridPoint p) {
-          errors[p] = error_code(std::max(reference_half_error(input, p, 0), reference_half_error(input, p, 1)));
-        });
-      }
+double reference_half_error(const ErrorInput& input, GridPoint vertex, int side, Holds holds) {
+  const HeightField& field = input.field;
+  const HalfDiamond t = half_diamond(vertex, side);
+  if (!inside(t, field.extent) || (holds & kData) == 0) return 0;
+  double metres = 0;
+  if (t.s == 1 && !t.centre) {
+    if (field.is_valid(field.index(vertex))) {
+      metres = finest_error(field[vertex], field[t.a], field[t.b], field.distance);
     }
-  });
+  } else {
+    metres = field.distance.metres(largest_distance(field, t)) + input.margin(vertex, side);
+  }
+  return holds == kMixed ? std::max(metres, detail::mixed_error(input, t)) : metres;
 }
 
-LevelGrid<ErrorCode> vertex_errors(const ErrorInput& input) {
-  return all_errors(input, [&](LevelGrid<ErrorCode>& errors) {
-    detail::block_errors(input, errors);
-    detail::slab_errors(input, errors);
-  });
+double reference_half_error(const ErrorInput& input, GridPoint vertex, int side) {
+  return reference_half_error(input, vertex, side, input.voids == nullptr ? kData : input.voids->half(vertex, side));
+}
+
+namespace {
+
+/// What a sum of two doubles lost by rounding.
+double lost_in_sum(double a, double b) {
+  const double sum = a + b, back = sum - a;
+  return (a - (sum - back)) + (b - back);
+}
+
+}  // namespace
+
+bool halves_exactly(double a, double b, double m) { return a + b == 2 * m && lost_in_sum(a, b) == 0; }
+
+double finest_error(double height, double end, double other_end, const CodeDistance& distance) {
+  const double middle = (end + other_end) / 2;
+  const double metres = distance.metres(std::abs(height - middle));
+  const bool rounded = lost_in_sum(end, other_end) != 0 || lost_in_sum(height, -middle) != 0;
+  return rounded ? metres + kRoundingMargin : metres;
+}
+
+LevelGrid<ErrorCode> reference_errors(const ErrorInput& input, int levels) {
+  LevelGrid<ErrorCode> errors(input.field.extent, levels, 0);
+  for (int shift = 0; shift < levels; ++shift) {
+    for (const bool centres : {false, true}) {
+      errors.for_each(shift, centres, [&](GridPoint p) {
+        errors[p] = error_code(std::max(reference_half_error(input, p, 0), reference_half_error(input, p, 1)));
+      });
+    }
+  }
+  return errors;
 }
 
 namespace detail {

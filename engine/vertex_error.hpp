@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "engine/block_bits.hpp"
 #include "engine/error_ladder.hpp"
 #include "engine/half_diamond.hpp"
 #include "engine/height_field.hpp"
@@ -16,56 +17,41 @@ namespace talus {
 /// data and void stands for it.
 using GroundSide = std::function<double(const HalfDiamond&)>;
 
-/// What the errors are computed from. `voids` is null where every sample is data.
+/// What the errors are computed from. `voids` is null where every sample is data, `bits` where all numbers
+/// are whole and within 16 bits: then nothing rounds.
 struct ErrorInput {
   HeightField field;
   const VoidMap* voids = nullptr;
+  const BlockBits* bits = nullptr;
   GroundSide ground_side;  ///< used with voids only
   double void_weight = 1;  ///< metres of error per metre of ground side
+
+  /// What is added to a computed error of a half-diamond, see BlockBits.
+  [[nodiscard]] double margin(GridPoint vertex, int side) const {
+    return bits == nullptr || bits->is_exact(vertex, side) ? 0 : kRoundingMargin;
+  }
 };
 
 /// Vertical error of one half in metres, by a plain loop over the closed triangle: 0 if it leaves the
 /// extent or holds no data; at least the weighted ground side if it mixes data and void. The reference
-/// the kernels are held to.
+/// the kernels are held to. `holds` says what the half holds where the input's voids know no such level.
+[[nodiscard]] double reference_half_error(const ErrorInput& input, GridPoint vertex, int side, Holds holds);
 [[nodiscard]] double reference_half_error(const ErrorInput& input, GridPoint vertex, int side);
 
 /// (a+b)/2 == m in exact arithmetic: by the error-free sum of two doubles.
 [[nodiscard]] bool halves_exactly(double a, double b, double m);
 
 /// Error of a finest side midpoint in metres, from its own height and the two ends of its side: such a
-/// vertex has no samples but itself to miss.
-[[nodiscard]] double finest_error(double height, double end, double other_end, const CodeDistance& distance,
-                                  bool exact);
+/// vertex has no samples but itself to miss. It carries the rounding margin only if this very arithmetic
+/// rounded.
+[[nodiscard]] double finest_error(double height, double end, double other_end, const CodeDistance& distance);
 
-/// Error codes of all vertices, not yet saturated, by the plain loop. Slow: n² log n.
-[[nodiscard]] LevelGrid<ErrorCode> reference_errors(const ErrorInput& input);
-
-/// The same up to saturation, fast: where all of a block is data, eight blocks side by side in the lanes of
-/// a vector and only the interior and the hypotenuse of each triangle (its legs are its children's
-/// hypotenuses, so saturation brings them back); above the blocks, fitted planes with a radius tell
-/// which samples can matter. About linear.
-[[nodiscard]] LevelGrid<ErrorCode> vertex_errors(const ErrorInput& input);
-
-/// Cells along a block's side: the unit the fast kernel works in. Vertices of smaller spacing are settled
-/// inside blocks, the others, and the blocks' own centres, by slabs.
-inline constexpr int kBlockShift = 6;
-inline constexpr std::int32_t kBlockSide = 1 << kBlockShift;
+/// Error codes of all vertices of the finest levels, not yet saturated, by the plain loop. Slow.
+[[nodiscard]] LevelGrid<ErrorCode> reference_errors(const ErrorInput& input, int levels);
 
 namespace detail {
 
-[[nodiscard]] constexpr bool is_settled_in_block(GridPoint p) {
-  return spacing(p) < kBlockSide && !(is_centre(p) && 2 * spacing(p) == kBlockSide);
-}
-
-/// A distance in height codes as a stored error.
-[[nodiscard]] inline ErrorCode code_of(const HeightField& field, double distance) {
-  return error_code(field.distance.metres(distance) + (field.exact ? 0 : kRoundingMargin));
-}
 [[nodiscard]] double mixed_error(const ErrorInput& input, const HalfDiamond& t);
-
-/// Levels below a block's side (engine/block_errors.cpp) and those above (engine/slab_errors.cpp).
-void block_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
-void slab_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
 
 }  // namespace detail
 

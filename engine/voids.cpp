@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace talus {
 namespace {
@@ -12,22 +11,7 @@ std::size_t index_in(GridRect extent, GridPoint p) {
                                   (std::int64_t{p.col} - extent.first.col));
 }
 
-/// visit(index) for each valid sample of a vertex's diamond.
-template <class Visit>
-void in_diamond(GridRect extent, std::span<const std::uint8_t> valid, GridPoint vertex, Visit&& visit) {
-  for (int side = 0; side < 2; ++side) {
-    const HalfDiamond t = half_diamond(vertex, side);
-    for (std::int32_t row = std::max(t.top(), extent.first.row); row <= std::min(t.bottom(), extent.last.row); ++row) {
-      const auto [lo, hi] = t.columns(row);
-      for (std::int32_t col = std::max(lo, extent.first.col); col <= std::min(hi, extent.last.col); ++col) {
-        const std::size_t i = index_in(extent, {col, row});
-        if (valid[i]) visit(i);
-      }
-    }
-  }
-}
-
-/// visit(index) for each valid sample at most `reach` columns and rows away: a root corner has no diamond.
+/// visit(index) for each valid sample at most `reach` columns and rows away.
 template <class Visit>
 void around(GridRect extent, std::span<const std::uint8_t> valid, GridPoint p, std::int32_t reach, Visit&& visit) {
   for (std::int32_t row = std::max(p.row - reach, extent.first.row); row <= std::min(p.row + reach, extent.last.row);
@@ -40,28 +24,41 @@ void around(GridRect extent, std::span<const std::uint8_t> valid, GridPoint p, s
   }
 }
 
-/// The height nearest to the middle of the range of those visited, the lower of two; 0 if there are none.
-template <class ForEach>
-double middle_sample(std::span<const double> heights, ForEach&& for_each) {
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+/// The height nearest to the middle of the range of those visited, the lower of two; none if there are none.
+template <class Code, class ForEach>
+std::optional<Code> middle_sample(std::span<const Code> heights, ForEach&& for_each) {
+  bool any = false;
+  Code lowest{}, highest{};
   for_each([&](std::size_t i) {
-    lowest = std::min(lowest, heights[i]);
-    highest = std::max(highest, heights[i]);
+    lowest = any ? std::min(lowest, heights[i]) : heights[i];
+    highest = any ? std::max(highest, heights[i]) : heights[i];
+    any = true;
   });
-  if (lowest > highest) return 0;
-  const double middle = lowest + (highest - lowest) / 2;
-  double nearest = lowest;
+  if (!any) return std::nullopt;
+  const double middle = static_cast<double>(lowest) + (static_cast<double>(highest) - static_cast<double>(lowest)) / 2;
+  Code nearest = lowest;
   for_each([&](std::size_t i) {
-    const double now = std::abs(heights[i] - middle), best = std::abs(nearest - middle);
+    const double now = std::abs(static_cast<double>(heights[i]) - middle);
+    const double best = std::abs(static_cast<double>(nearest) - middle);
     if (now < best || (now == best && heights[i] < nearest)) nearest = heights[i];
   });
   return nearest;
 }
 
+template <class Code>
+std::optional<Code> fill_at(GridRect extent, std::span<const std::uint8_t> valid, std::span<const Code> heights,
+                            GridPoint p) {
+  for (std::int32_t reach = 1; reach <= kFillReach; reach *= 2) {
+    const auto found = middle_sample(heights, [&](auto&& visit) { around(extent, valid, p, reach, visit); });
+    if (found) return found;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid)
-    : extent_(extent), valid_(valid), halves_(extent, 0) {
+VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int levels)
+    : extent_(extent), valid_(valid), halves_(extent, levels, 0) {
   const auto settle = [&](GridPoint p) {
     const auto t = apex_triangles(p);
     // A half holds what its two children hold; they have the vertex at their right angle.
@@ -97,22 +94,34 @@ std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
   return bits;
 }
 
-void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, std::span<double> heights) {
-  for (std::int32_t row = extent.first.row; row <= extent.last.row; ++row) {
-    for (std::int32_t col = extent.first.col; col <= extent.last.col; ++col) {
-      const GridPoint p{col, row};
-      const std::size_t here = index_in(extent, p);
-      if (valid[here]) continue;
-      heights[here] = 0;
-      if (spacing(p) == kRootSpacing) {
-        for (std::int32_t reach = 16; heights[here] == 0 && reach < 2 * root_side(extent); reach *= 2) {
-          heights[here] = middle_sample(heights, [&](auto&& visit) { around(extent, valid, p, reach, visit); });
+std::optional<double> fill_of(GridRect extent, std::span<const std::uint8_t> valid, const CodeSpan& heights,
+                              GridPoint p) {
+  return std::visit(
+      [&](auto codes) -> std::optional<double> {
+        const auto fill = fill_at(extent, valid, codes, p);
+        return fill ? std::optional(static_cast<double>(*fill)) : std::nullopt;
+      },
+      heights);
+}
+
+void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, GridRect within,
+                Codes& heights) {
+  std::visit(
+      [&](auto& codes) {
+        using Code = typename std::decay_t<decltype(codes)>::value_type;
+        for (std::int32_t row = std::max(within.first.row, extent.first.row);
+             row <= std::min(within.last.row, extent.last.row); ++row) {
+          for (std::int32_t col = std::max(within.first.col, extent.first.col);
+               col <= std::min(within.last.col, extent.last.col); ++col) {
+            const GridPoint p{col, row};
+            const std::size_t here = index_in(extent, p);
+            if (valid[here]) continue;
+            const bool needed = height_in_tree(p) >= voids.levels() || voids.apex_triangles_with_data(p) != 0;
+            codes[here] = needed ? fill_at(extent, valid, std::span<const Code>(codes), p).value_or(Code{}) : Code{};
+          }
         }
-      } else if (voids.apex_triangles_with_data(p) != 0) {
-        heights[here] = middle_sample(heights, [&](auto&& visit) { in_diamond(extent, valid, p, visit); });
-      }
-    }
-  }
+      },
+      heights);
 }
 
 }  // namespace talus

@@ -5,10 +5,12 @@
 // is valid iff its three corners are, and a larger one holds data iff it holds a valid one.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/half_diamond.hpp"
+#include "engine/height_field.hpp"
 #include "engine/level_grid.hpp"
 
 namespace talus {
@@ -18,13 +20,15 @@ enum Holds : std::uint8_t { kNothing = 0, kData = 1, kVoid = 2, kMixed = 3 };
 
 class VoidMap {
  public:
-  /// Linear time, 1⅓ bytes a sample.
-  VoidMap(GridRect extent, std::span<const std::uint8_t> valid);
+  /// Of the finest levels. Linear time, 1⅓ bytes a sample.
+  VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int levels);
 
   [[nodiscard]] Holds half(GridPoint vertex, int side) const {
     return static_cast<Holds>(halves_[vertex] >> (2 * side) & 3);
   }
-  /// Four bits in the order of apex_triangles: which of them hold data.
+  [[nodiscard]] int levels() const { return halves_.levels(); }
+  [[nodiscard]] bool holds(GridPoint vertex) const { return halves_.holds(vertex); }
+  /// Four bits in the order of apex_triangles: which of them hold data. The vertex is of one of the levels.
   [[nodiscard]] std::uint8_t apex_triangles_with_data(GridPoint vertex) const;
 
  private:
@@ -36,9 +40,21 @@ class VoidMap {
   LevelGrid<std::uint8_t> halves_;
 };
 
-/// Gives every void vertex that can be a corner of a triangle with data its height: that of the valid sample
-/// of its own diamond that is nearest to the middle of their range. A value of the source's own is on
-/// any height step, and the choice depends on nothing outside the diamond. Other voids become 0.
-void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, std::span<double> heights);
+/// How far from a void vertex its fill may come, in columns and rows.
+inline constexpr std::int32_t kFillReach = 64;
+
+/// Gives void vertices their heights. One that can be a corner of a triangle with data of the map's levels, or
+/// is above them, gets the height of the valid sample nearest to the middle of the range (the lower of two) of
+/// those in the square of radius r around it, r being the smallest of 1, 2, 4 … kFillReach that finds one. A
+/// value of the source's own is on any height step, and the choice depends on nothing farther away. All
+/// others become 0.
+///
+/// within  only voids of this rectangle; the others keep what they have
+void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, GridRect within,
+                Codes& heights);
+
+/// The fill of one void vertex by that rule; none if it has no valid sample within reach.
+[[nodiscard]] std::optional<double> fill_of(GridRect extent, std::span<const std::uint8_t> valid,
+                                            const CodeSpan& heights, GridPoint p);
 
 }  // namespace talus

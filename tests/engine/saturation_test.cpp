@@ -13,7 +13,7 @@ namespace talus::support {
 namespace {
 
 LevelGrid<ErrorCode> saturated(const Field& field) {
-  LevelGrid<ErrorCode> errors = vertex_errors(field.input);
+  LevelGrid<ErrorCode> errors = reference_errors(field.input, field.levels());
   saturate(field.input, errors);
   return errors;
 }
@@ -48,7 +48,7 @@ TEST(Saturation, NoVertexIsBelowItsChild) {
 TEST(Saturation, EveryErrorIsItsOwnOrSomeDescendants) {
   Random random(4);
   const Field field(random_terrain(random));
-  const LevelGrid<ErrorCode> raw = vertex_errors(field.input), errors = saturated(field);
+  const LevelGrid<ErrorCode> raw = reference_errors(field.input, field.levels()), errors = saturated(field);
   for_each_vertex(errors, [&](GridPoint p) {
     const Children below = children(p);
     ErrorCode largest = raw[p];

@@ -1,0 +1,255 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/block_errors.hpp"
+#include "engine/saturation.hpp"
+#include "engine/slab_errors.hpp"
+#include "engine/tile.hpp"
+
+namespace talus {
+namespace {
+
+constexpr GridRect cut(GridRect r, GridRect to) {
+  return {{std::max(r.first.col, to.first.col), std::max(r.first.row, to.first.row)},
+          {std::min(r.last.col, to.last.col), std::min(r.last.row, to.last.row)}};
+}
+
+constexpr GridRect grown(GridRect r, std::int32_t by) {
+  return {{r.first.col - by, r.first.row - by}, {r.last.col + by, r.last.row + by}};
+}
+
+Codes copy_of(const CodeSpan& codes) {
+  return std::visit(
+      [](auto c) {
+        using Code = std::remove_const_t<typename decltype(c)::element_type>;
+        return Codes(std::vector<Code>(c.begin(), c.end()));
+      },
+      codes);
+}
+
+float rounded_up(double v) {
+  const auto f = static_cast<float>(v);
+  return f < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+}
+
+// ---- planes of blocks --------------------------------------------------------------------------------
+
+/// visit(height, col, row) for each valid sample of a rectangle within the field.
+template <class Visit>
+void for_each_valid(const HeightField& field, GridRect part, Visit&& visit) {
+  std::visit(
+      [&](auto heights) {
+        for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+          std::size_t i = field.index({part.first.col, row});
+          for (std::int32_t col = part.first.col; col <= part.last.col; ++col, ++i) {
+            if (field.is_valid(i)) visit(static_cast<double>(heights[i]), col, row);
+          }
+        }
+      },
+      field.heights);
+}
+
+/// What a block's own samples are: data or not, a plane near them, their typical height.
+void describe(const HeightField& field, GridRect own, GridPoint centre, TileRecord::Block& block) {
+  double sum = 0, along = 0, down = 0, count = 0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for_each_valid(field, own, [&](double h, std::int32_t col, std::int32_t row) {
+    sum += h;
+    along += h * (col - centre.col + 0.5);
+    down += h * (row - centre.row + 0.5);
+    lowest = std::min(lowest, h);
+    highest = std::max(highest, h);
+    ++count;
+  });
+  block.has_data = count > 0;
+  if (!block.has_data) return;
+  double right = 0, south = 0;
+  if (count == kBlockSide * kBlockSide) {  // least squares; a level plane where samples are missing
+    constexpr double kSquares = kBlockSide * (kBlockSide * (kBlockSide * kBlockSide - 1) / 12.0);  // Σ (col − middle)²
+    right = along / kSquares;
+    south = down / kSquares;
+  }
+  const double middle = sum / count + (right + south) / 2;  // the samples' middle is half a cell before the centre
+  block.middle = static_cast<float>(middle);
+  block.right = static_cast<float>(right);
+  block.down = static_cast<float>(south);
+  const double half = lowest + (highest - lowest) / 2;
+  double above = 0, below = 0;
+  block.typical = lowest;
+  for_each_valid(field, own, [&](double h, std::int32_t col, std::int32_t row) {
+    const double on_plane =
+        (static_cast<double>(block.middle) + static_cast<double>(block.right) * (col - centre.col)) +
+        static_cast<double>(block.down) * (row - centre.row);
+    above = std::max(above, h - on_plane);
+    below = std::max(below, on_plane - h);
+    const double now = std::abs(h - half), best = std::abs(block.typical - half);
+    if (now < best || (now == best && h < block.typical)) block.typical = h;
+  });
+  const double rounding = 1e-12 * (1 + std::max(std::abs(lowest), std::abs(highest)) + above + below);
+  block.above = rounded_up(above + rounding);
+  block.below = rounded_up(below + rounding);
+}
+
+// ---- vertices of spacing 64 … 512 --------------------------------------------------------------------
+
+class FarVertices {
+ public:
+  FarVertices(const TileInput& tile, const ErrorInput& input, TileRecord& record)
+      : tile_(closed_tile(tile.id)), extent_(tile.extent), input_(input), record_(record) {}
+
+  void run() {
+    if (input_.voids != nullptr) find_missing_fills();
+    for (std::int32_t s = kBlockSide; s < kTileSide; s *= 2) {
+      for (const bool centres : {false, true}) {
+        for_each_vertex(s, centres, [&](GridPoint p) {
+          settle(p, 0);
+          settle(p, 1);
+        });
+      }
+    }
+    if (halves_.empty()) return;
+    std::vector<double> distances(halves_.size());
+    detail::largest_distances(input_.field, cut(tile_, input_.field.extent), halves_, distances);
+    for (std::size_t i = 0; i < halves_.size(); ++i) {
+      const HalfDiamond& t = halves_[i];
+      ErrorCode& code = record_.errors[index(t.vertex)];
+      const int side = diamond(t.vertex).apexes[0] == t.apex ? 0 : 1;
+      code = std::max(code, error_code(input_.field.distance.metres(distances[i]) + input_.margin(t.vertex, side)));
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(GridPoint p) const {
+    return static_cast<std::size_t>(((p.row - tile_.first.row) >> kBlockShift) * TileRecord::kAcross +
+                                    ((p.col - tile_.first.col) >> kBlockShift));
+  }
+
+  template <class Visit>
+  void for_each_vertex(std::int32_t s, bool centres, Visit&& visit) const {
+    for (std::int32_t row = tile_.first.row; row <= tile_.last.row; row += s) {
+      for (std::int32_t col = tile_.first.col; col <= tile_.last.col; col += s) {
+        const GridPoint p{col, row};
+        if (spacing(p) == s && is_centre(p) == centres) visit(p);
+      }
+    }
+  }
+
+  void find_missing_fills() {
+    const HeightField& field = input_.field;
+    for (std::int32_t row = tile_.first.row; row <= tile_.last.row; row += kBlockSide) {
+      for (std::int32_t col = tile_.first.col; col <= tile_.last.col; col += kBlockSide) {
+        const GridPoint p{col, row};
+        if (!extent_.contains(p) || field.is_valid(field.index(p))) continue;
+        if (!fill_of(field.extent, field.valid, field.heights, p)) record_.holds[index(p)] |= TileRecord::kNoFill;
+      }
+    }
+  }
+
+  void settle(GridPoint p, int side) {
+    const HalfDiamond t = half_diamond(p, side);
+    if (!inside(t, tile_) || !inside(t, extent_)) return;
+    const Holds holds = held(p, side);
+    record_.holds[index(p)] |= static_cast<std::uint8_t>(holds << (2 * side));
+    if ((holds & kData) == 0) return;
+    if (holds == kMixed) {
+      record_.errors[index(p)] = std::max(record_.errors[index(p)], error_code(detail::mixed_error(input_, t)));
+    }
+    if (has_fill(t.apex) && has_fill(t.a) && has_fill(t.b)) {
+      halves_.push_back(t);
+    } else {
+      record_.holds[index(p)] |= TileRecord::kOpenHalf[side];
+    }
+  }
+
+  [[nodiscard]] bool has_fill(GridPoint p) const { return (record_.holds[index(p)] & TileRecord::kNoFill) == 0; }
+
+  /// A half holds what its two children hold; they have the vertex at their right angle.
+  [[nodiscard]] Holds held(GridPoint p, int side) const {
+    if (input_.voids == nullptr) return kData;
+    const auto triangles = apex_triangles(p);
+    int holds = kNothing;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Triangle& t = triangles[2 * static_cast<std::size_t>(side) + i];
+      const GridPoint split = midpoint(t.left, t.right);
+      const int of_split = diamond(split).apexes[0] == t.apex ? 0 : 1;
+      holds |= spacing(split) < kBlockSide ? input_.voids->half(split, of_split)
+                                           : record_.holds[index(split)] >> (2 * of_split) & 3;
+    }
+    return static_cast<Holds>(holds);
+  }
+
+  GridRect tile_, extent_;
+  const ErrorInput& input_;
+  TileRecord& record_;
+  std::vector<HalfDiamond> halves_;
+};
+
+void record_blocks(const TileInput& tile, const ErrorInput& input, const LevelGrid<ErrorCode>& errors,
+                   TileRecord& record) {
+  const GridPoint first = closed_tile(tile.id).first;
+  for (std::int32_t y = 0; y < kTileBlocks; ++y) {
+    for (std::int32_t x = 0; x < kTileBlocks; ++x) {
+      TileRecord::Block& block = record.blocks[static_cast<std::size_t>(y * kTileBlocks + x)];
+      const GridPoint corner{first.col + x * kBlockSide, first.row + y * kBlockSide};
+      const GridPoint centre{corner.col + kBlockSide / 2, corner.row + kBlockSide / 2};
+      if (errors.holds(centre)) block.error = errors[centre];
+      for (const int side : {0, 1}) {
+        if (!inside(half_diamond(centre, side), tile.extent)) continue;
+        const Holds holds = input.voids == nullptr ? kData : input.voids->half(centre, side);
+        block.holds |= static_cast<std::uint8_t>(holds << (2 * side));
+      }
+      const GridRect own{corner, {corner.col + kBlockSide - 1, corner.row + kBlockSide - 1}};
+      block.bits = input.bits == nullptr ? BitRange{0, 15}
+                                         : (*input.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
+      describe(input.field, cut(own, input.field.extent), centre, block);
+    }
+  }
+}
+
+}  // namespace
+
+GridRect tile_window(TileId id, GridRect extent) {
+  const GridPoint first = closed_tile(id).first;
+  return cut(grown({first, {first.col + kTileSide - 1, first.row + kTileSide - 1}}, kHalo), extent);
+}
+
+TileErrors tile_errors(const TileInput& tile) {
+  const GridRect window = tile_window(tile.id, tile.extent);
+  const bool has_voids = std::find(tile.valid.begin(), tile.valid.end(), 0) != tile.valid.end();
+  const bool has_data = tile.valid.empty() || std::find(tile.valid.begin(), tile.valid.end(), 1) != tile.valid.end();
+  if (is_empty(window) || !has_data) {
+    return {.all_void = true,
+            .errors = {GridRect{{0, 0}, {-1, -1}}, kTileLevels, 0},
+            .voids = {},
+            .heights = {},
+            .record = {}};
+  }
+  const GridRect around = grown(closed_tile(tile.id), kBlockSide);
+  TileErrors result{.errors = {window, kTileLevels, 0}, .voids = {}, .heights = copy_of(tile.heights), .record = {}};
+  if (has_voids) {
+    result.voids.emplace(window, tile.valid, kTileLevels);
+    fill_voids(window, tile.valid, *result.voids, around, result.heights);
+  }
+  ErrorInput input;
+  input.field = {window, view(result.heights), has_voids ? tile.valid : std::span<const std::uint8_t>(), tile.distance};
+  input.voids = has_voids ? &*result.voids : nullptr;
+  input.ground_side = tile.ground_side;
+  input.void_weight = tile.void_weight;
+  std::optional<BlockBits> bits;
+  if (!std::holds_alternative<std::vector<std::int16_t>>(result.heights)) {
+    bits.emplace(input.field);
+    input.bits = &*bits;
+  }
+  const GridRect used = cut(around, window);
+  detail::block_errors(input,
+                       {{used.first.col >> kBlockShift, used.first.row >> kBlockShift},
+                        {(used.last.col - 1) >> kBlockShift, (used.last.row - 1) >> kBlockShift}},
+                       result.errors);
+  saturate(input, result.errors);
+  record_blocks(tile, input, result.errors, result.record);
+  FarVertices(tile, input, result.record).run();
+  return result;
+}
+
+}  // namespace talus
