@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,7 @@
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/report.hpp"
-#include "ingest/raster_source.hpp"
+#include "ingest/source.hpp"
 
 namespace talus::app {
 namespace {
@@ -36,7 +37,7 @@ IngestReport ingest_with_progress(const Request& request) {
 }
 
 Exit run(const Request& request) {
-  const int bands = RasterSource{request.input}.bands();
+  const std::vector<std::string> notes = Source({request.input}, {}).notes();
   const IngestReport report = ingest_with_progress(request);
   const Description& d = report.description;
   const auto samples = static_cast<std::uint64_t>(d.extent.samples());
@@ -57,7 +58,7 @@ Exit run(const Request& request) {
   Table table;
   table.add("database", fmt::format("{}, {} pages", request.database, counted(report.pages)));
   table.add("file size", file_size(report.bytes, d.extent));
-  if (bands > 1) table.add("band", fmt::format("band 1 of {} is taken", bands));
+  for (const std::string& note : notes) table.add("note", note);
   table.add("samples", fmt::format("{} x {} of {}, {} void", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(d.void_samples)));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <variant>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -14,7 +15,7 @@
 #include "ingest/height_step.hpp"
 #include "ingest/pack.hpp"
 #include "ingest/part_file.hpp"
-#include "ingest/raster_source.hpp"
+#include "ingest/source.hpp"
 #include "storage/page_store.hpp"
 
 namespace talus {
@@ -43,7 +44,7 @@ struct Heights {
   std::vector<std::uint8_t> valid;  // empty: all data
 };
 
-Heights read(const RasterSource& source, Description& d, const std::function<void(double)>& progress) {
+Heights read(const Source& source, Description& d, const std::function<void(double)>& progress) {
   Heights all;
   all.codes.reserve(static_cast<std::size_t>(d.extent.samples()));
   all.valid.reserve(all.codes.capacity());
@@ -51,9 +52,10 @@ Heights read(const RasterSource& source, Description& d, const std::function<voi
       static_cast<std::int32_t>(std::clamp<std::int64_t>((1 << 22) / d.extent.cols(), 1, d.extent.rows()));
   for (std::int32_t row = d.extent.first.row; row <= d.extent.last.row; row += rows_at_once) {
     const std::int32_t last = std::min(row + rows_at_once - 1, d.extent.last.row);
-    const CodeWindow window = source.read_codes({{d.extent.first.col, row}, {d.extent.last.col, last}});
-    all.codes.insert(all.codes.end(), window.codes.begin(), window.codes.end());
+    const Window window = source.read({{d.extent.first.col, row}, {d.extent.last.col, last}});
+    std::visit([&](const auto& codes) { all.codes.insert(all.codes.end(), codes.begin(), codes.end()); }, window.codes);
     all.valid.insert(all.valid.end(), window.valid.begin(), window.valid.end());
+    all.valid.resize(all.codes.size(), 1);
     progress(static_cast<double>(last - d.extent.first.row + 1) / static_cast<double>(d.extent.rows()));
   }
   d.step = find_height_step(d, all.codes, all.valid);
@@ -87,7 +89,7 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
     throw Failure(Cause::invalid_argument,
                   fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
   }
-  const RasterSource source(input);
+  const Source source({input}, {});
   Manifest manifest;
   Description& d = manifest.description;
   d = source.description();

@@ -5,13 +5,41 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "talus/description.hpp"
 #include "talus/failure.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
+
+/// The grid of an existing database, for inputs that are to fit it.
+struct Grid {
+  GridMapping mapping;
+  GridRect extent{{0, 0}, {-1, -1}};  ///< what it holds today; says on which side of the antimeridian new data belongs
+  std::string crs_wkt;
+  std::string vertical_unit = "metre";
+  double metres_per_unit = 1;
+  std::optional<HeightStep> step;  ///< codes must be in this one, as where a database is updated; empty: any will do
+};
+[[nodiscard]] Grid grid_of(const Description& description);
+
+/// How inputs are read.
+struct InputOptions {
+  std::vector<std::string> allow_drivers;  ///< GDAL drivers that may open files, beyond those Talus trusts
+  std::string srs;            ///< the CRS of inputs, said from outside: EPSG:…, WKT or PROJ; empty: what they state
+  std::string vertical_unit;  ///< of inputs, said from outside: metre, foot, us-survey-foot, km, dm, cm, mm
+  /// Resample inputs that are not on it to this grid: any of CRS, cell size in its units (both or none), and
+  /// method (near, bilinear, cubic, average). What is left out is the first input's, and bilinear.
+  std::string target_srs;
+  double target_dx = 0, target_dy = 0;
+  std::string resampling;
+  std::optional<Grid> grid;          ///< or to this one
+  bool priority_resolution = false;  ///< where inputs overlap the one with smaller cells wins, not the later one
+  double height_step = 0;            ///< round heights to multiples of so many metres; 0: keep them
+};
 
 struct IngestOptions {
   bool overwrite = false;    ///< replace an existing database; without it one that exists is a failure
@@ -40,12 +68,14 @@ struct IngestReport {
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 
-/// A raster opened for comparison: the same samples `ingest` would take.
+/// Inputs opened for comparison: the same samples `ingest` would take.
 ///
-/// fails  as ingest does for its input
+/// inputs  raster files, folders of them, and "@list.txt", which names one a line
+/// fails   as ingest does for its inputs
 class Raster {
  public:
   explicit Raster(const std::filesystem::path& input);
+  Raster(const std::vector<std::filesystem::path>& inputs, const InputOptions& options);
   ~Raster();
   Raster(Raster&&) noexcept;
   Raster& operator=(Raster&&) noexcept;
