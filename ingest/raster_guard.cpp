@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 #include <gdal.h>
 
+#include "ingest/gdal_handles.hpp"
 #include "ingest/gdal_scope.hpp"
 #include "talus/failure.hpp"
 
@@ -29,18 +30,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // Local files that hold elevation. Drivers that fetch, run or bundle other things stay out.
-constexpr std::array<const char*, 16> kDrivers{"GTiff",   "VRT",  "SRTMHGT", "AAIGrid", "EHdr",   "ENVI",
-                                               "USGSDEM", "BT",   "HFA",     "DTED",    "netCDF", "PNG",
-                                               "GSAG",    "GSBG", "GS7BG",   nullptr};
+constexpr std::array<const char*, 15> kDrivers{"GTiff",   "VRT",  "SRTMHGT", "AAIGrid", "EHdr",
+                                               "ENVI",    "BT",   "USGSDEM", "HFA",     "DTED",
+                                               "netCDF",  "PNG",  "GSAG",    "GSBG",    "GS7BG"};
 constexpr std::string_view kFormats =
     "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, "
     "netCDF, PNG, Surfer grids";
 constexpr std::uintmax_t kLargestVrt = 16u << 20;  // bytes; a source takes about 500
 constexpr std::size_t kDeepestVrt = 4;             // virtual rasters within virtual rasters
 
-struct CloseDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
 struct FreeXml {
   void operator()(CPLXMLNode* node) const { CPLDestroyXMLNode(node); }
 };
@@ -91,6 +89,24 @@ fs::path regular_file(const fs::path& file) {
 
 class Guard {
  public:
+  explicit Guard(const std::vector<std::string>& allow_drivers) : drivers_(kDrivers.begin(), kDrivers.end()) {
+    for (const std::string& name : allow_drivers) {
+      GDALDriverH driver = GDALGetDriverByName(name.c_str());
+      if (driver == nullptr) {
+        throw Failure(Cause::invalid_argument,
+                      fmt::format("--allow-driver {}: GDAL has no such driver here (gdalinfo --formats lists them)",
+                                  name));
+      }
+      drivers_.push_back(GDALGetDriverShortName(driver));
+    }
+    drivers_.push_back(nullptr);
+  }
+
+  // Null where no driver on the list knows the file.
+  GDALDriverH driver_of(const fs::path& file) const {
+    return GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, drivers_.data(), nullptr);
+  }
+
   AdmittedRaster admit(const fs::path& file) {
     const fs::path real = regular_file(file);
     const std::string driver = identify(real);
@@ -102,9 +118,13 @@ class Guard {
 
  private:
   std::string identify(const fs::path& file) const {
-    GDALDriverH driver = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, kDrivers.data(), nullptr);
+    GDALDriverH driver = driver_of(file);
     if (driver == nullptr) {
-      throw Failure(Cause::unsupported, fmt::format("{} is not a raster Talus reads ({})", file.string(), kFormats));
+      GDALDriverH other = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr);
+      const std::string way = other == nullptr ? "" : fmt::format("; --allow-driver {} takes it nevertheless",
+                                                                  GDALGetDriverShortName(other));
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} is not a raster Talus reads ({}){}", file.string(), kFormats, way));
     }
     return GDALGetDriverShortName(driver);
   }
@@ -134,8 +154,7 @@ class Guard {
       if (std::error_code error; fs::exists(side, error)) admit_inner(side);
     }
     const std::array<const char*, 2> only{driver.c_str(), nullptr};
-    const std::unique_ptr<void, CloseDataset> dataset{
-        GDALOpenEx(file.c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
+    const DatasetOwner dataset{GDALOpenEx(file.c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
       throw Failure(Cause::unsupported,
                     fmt::format("{} names a separate overview file, which Talus does not follow; copy it with "
@@ -268,15 +287,22 @@ class Guard {
                               vrt.string(), what));
   }
 
+  std::vector<const char*> drivers_;  // that may open files; ends in null
   std::set<fs::path> seen_;
   std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
 };
 
 }  // namespace
 
-AdmittedRaster admit_raster(const fs::path& file) {
+AdmittedRaster admit_raster(const fs::path& file, const std::vector<std::string>& allow_drivers) {
   GdalScope gdal;
-  return Guard{}.admit(file);
+  return Guard{allow_drivers}.admit(file);
+}
+
+bool looks_like_raster(const fs::path& file, const std::vector<std::string>& allow_drivers) {
+  GdalScope gdal;
+  std::error_code error;
+  return fs::is_regular_file(file, error) && Guard{allow_drivers}.driver_of(file) != nullptr;
 }
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace talus {
 
@@ -17,8 +18,14 @@ struct AdmittedRaster {
   std::string driver;          ///< the one GDAL driver to open it with
 };
 
+/// allow_drivers  GDAL drivers the user vouches for, beyond the list
 /// fails  not_found; unsupported: no local file, a driver not on the list, a virtual raster that
-///        reaches out; io
-[[nodiscard]] AdmittedRaster admit_raster(const std::filesystem::path& file);
+///        reaches out; invalid_argument: no such driver; io
+[[nodiscard]] AdmittedRaster admit_raster(const std::filesystem::path& file,
+                                          const std::vector<std::string>& allow_drivers = {});
+
+/// A file that a driver on the list knows by its first bytes; what else it is, admit_raster tells.
+[[nodiscard]] bool looks_like_raster(const std::filesystem::path& file,
+                                     const std::vector<std::string>& allow_drivers = {});
 
 }  // namespace talus

@@ -1,325 +1,198 @@
 #include "ingest/raster_source.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
+#include <type_traits>
 
-#include <cpl_conv.h>
 #include <fmt/format.h>
-#include <gdal.h>
-#include <ogr_srs_api.h>
 
-#include "engine/grid.hpp"
 #include "ingest/gdal_scope.hpp"
-#include "ingest/raster_guard.hpp"
+#include "ingest/warp.hpp"
 #include "talus/failure.hpp"
-#include "talus/ingest.hpp"
 
 namespace talus {
 namespace {
 
-namespace fs = std::filesystem;
+template <class T>
+constexpr GDALDataType kGdalType = std::is_same_v<T, std::int16_t> ? GDT_Int16
+                                   : std::is_same_v<T, float>      ? GDT_Float32
+                                                                   : GDT_Float64;
+// As wide as T, so that comparisons stay in their lanes.
+template <class T>
+using Bits = std::conditional_t<sizeof(T) == 2, std::int16_t,
+                                std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>>;
 
-constexpr std::int64_t kMostSamples = std::int64_t{1} << 34;
-constexpr double kLargestHeight = 1e6;     // metres, up or down
-constexpr double kNegligibleShear = 1e-6;  // cells, over the whole raster
-
-struct CloseDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
+/// A rectangle of samples somewhere in a larger one.
+template <class T>
+struct Patch {
+  T* samples;
+  std::size_t cols, rows, stride;
+  [[nodiscard]] T* row(std::size_t r) const { return samples + r * stride; }
 };
-
-bool is_integer(GDALDataType type) {
-  return type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16 || type == GDT_Int32 || type == GDT_UInt32;
-}
-
-void check_type(GDALRasterBandH band, const std::string& name) {
-  const GDALDataType type = GDALGetRasterDataType(band);
-  if (!is_integer(type) && type != GDT_Float32 && type != GDT_Float64) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} has samples of type {}; Talus takes Byte, Int16, UInt16, Int32, UInt32, Float32 and "
-                              "Float64 (gdal_translate -ot converts)",
-                              name, GDALGetDataTypeName(type)));
-  }
-  const char* signedness = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
-  if (type == GDT_Byte && signedness != nullptr && std::string_view{signedness} == "SIGNEDBYTE") {
-    throw Failure(Cause::unsupported, fmt::format("{} has signed bytes; gdal_translate -ot Int16 converts them", name));
-  }
-}
-
-GridRect extent_of(GDALDatasetH dataset, const std::string& name) {
-  const int cols = GDALGetRasterXSize(dataset), rows = GDALGetRasterYSize(dataset);
-  if (cols < 1 || rows < 1 || cols > kMaxExtent || rows > kMaxExtent || std::int64_t{cols} * rows > kMostSamples) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} is {} x {} samples; at most {} a side and {} in all can be taken in", name, cols,
-                              rows, kMaxExtent, kMostSamples));
-  }
-  return {{0, 0}, {cols - 1, rows - 1}};
-}
-
-struct Placement {
-  GridMapping mapping;
-  bool mirrored = false, south_up = false;
-};
-
-Placement placement_of(GDALDatasetH dataset, GridRect extent, const std::string& name) {
-  std::array<double, 6> t{};
-  constexpr std::array<double, 6> kNone{0, 1, 0, 0, 0, 1};  // what GDAL says where a file says nothing
-  if (GDALGetGeoTransform(dataset, t.data()) != CE_None || t == kNone) return {{0.5, -0.5, 1, -1}, false, false};
-
-  const double cols = static_cast<double>(extent.cols()), rows = static_cast<double>(extent.rows());
-  if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); })) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} has a geotransform that is not finite", name));
-  }
-  if (std::abs(t[2]) * rows > kNegligibleShear * std::abs(t[1]) ||
-      std::abs(t[4]) * cols > kNegligibleShear * std::abs(t[5])) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}); gdalwarp makes it "
-                              "north-up",
-                              name, t[0], t[1], t[2], t[3], t[4], t[5]));
-  }
-  Placement placed{{t[0] + 0.5 * t[1], t[3] + 0.5 * t[5], t[1], t[5]}, t[1]<0, t[5]> 0};
-  GridMapping& m = placed.mapping;
-  if (placed.mirrored) m.x0 += (cols - 1) * m.dx, m.dx = -m.dx;
-  if (placed.south_up) m.y0 += (rows - 1) * m.dy, m.dy = -m.dy;
-  const double x_end = m.x(extent.last.col), y_end = m.y(extent.last.row);
-  const bool distinct = m.dx > 0 && m.dy < 0 && std::isfinite(x_end) && std::isfinite(y_end) && m.x0 + m.dx != m.x0 &&
-                        x_end + m.dx != x_end && m.y0 + m.dy != m.y0 && y_end + m.dy != y_end;
-  if (!distinct) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has cells of {} x {} at {}, {}: too small for doubles to tell apart", name, m.dx,
-                              -m.dy, m.x0, m.y0));
-  }
-  return placed;
-}
-
-std::string crs_of(GDALDatasetH dataset, const std::string& name, const GdalScope& gdal) {
-  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
-  if (crs == nullptr) return {};
-  constexpr std::array<const char*, 2> kOptions{"FORMAT=WKT2_2019", nullptr};
-  char* text = nullptr;
-  const OGRErr status = OSRExportToWktEx(crs, &text, kOptions.data());
-  std::string wkt = text == nullptr ? "" : text;
-  CPLFree(text);
-  if (status != OGRERR_NONE) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} has a coordinate system that cannot be written as WKT{}", name, gdal.reason()));
-  }
-  return wkt;
-}
-
-struct VerticalUnit {
-  std::string_view name;
-  double metres;
-};
-constexpr VerticalUnit kVerticalUnits[] = {{"", 1},
-                                           {"m", 1},
-                                           {"metre", 1},
-                                           {"metres", 1},
-                                           {"meter", 1},
-                                           {"meters", 1},
-                                           {"km", 1000},
-                                           {"dm", 0.1},
-                                           {"cm", 0.01},
-                                           {"mm", 0.001},
-                                           {"ft", 0.3048},
-                                           {"foot", 0.3048},
-                                           {"feet", 0.3048},
-                                           {"international foot", 0.3048},
-                                           {"us-ft", 1200.0 / 3937},
-                                           {"ft-us", 1200.0 / 3937},
-                                           {"ftus", 1200.0 / 3937},
-                                           {"us survey foot", 1200.0 / 3937},
-                                           {"us survey feet", 1200.0 / 3937}};
-
-double metres_per(const std::string& unit, const std::string& name) {
-  for (const VerticalUnit& known : kVerticalUnits) {
-    if (unit.size() == known.name.size() && EQUALN(unit.c_str(), known.name.data(), unit.size())) return known.metres;
-  }
-  throw Failure(Cause::unsupported,
-                fmt::format("{} has heights in \"{}\"; Talus knows m, km, dm, cm, mm, ft and us-ft (gdal_edit.py or a "
-                            "virtual raster can say so)",
-                            name, unit));
-}
-
-double scale_or_offset(double value, bool is_scale, const std::string& name) {
-  if (std::isfinite(value) && (!is_scale || value != 0)) return value;
-  throw Failure(Cause::invalid_argument,
-                fmt::format("{} has a band {} of {}; it must be a finite number{}", name, is_scale ? "scale" : "offset",
-                            value, is_scale ? " other than 0" : ""));
-}
-
-// The raw sample that means void, as the band's own type holds it; none where that type has no such number.
-std::optional<double> nodata_of(GDALRasterBandH band) {
-  int declared = 0;
-  const double value = GDALGetRasterNoDataValue(band, &declared);
-  if (declared == 0 || std::isnan(value)) return std::nullopt;  // NaN is void anyway
-  if (GDALGetRasterDataType(band) != GDT_Float32 || std::isinf(value)) return value;
-  if (std::abs(value) > double{std::numeric_limits<float>::max()} * (1 + 1e-7)) return std::nullopt;
-  return static_cast<double>(static_cast<float>(value));
-}
-
-// A mask besides what the nodata value already says.
-bool has_mask(GDALRasterBandH band) {
-  const int flags = GDALGetMaskFlags(band);
-  return (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
-}
 
 template <class T>
-void turn(std::vector<T>& samples, std::size_t cols, bool mirrored, bool south_up) {
-  if (mirrored && south_up) {
-    std::reverse(samples.begin(), samples.end());
-    return;
+void turn(const Patch<T>& patch, bool mirrored, bool south_up) {
+  for (std::size_t r = 0; mirrored && r < patch.rows; ++r) std::reverse(patch.row(r), patch.row(r) + patch.cols);
+  for (std::size_t r = 0; south_up && r < patch.rows / 2; ++r) {
+    std::swap_ranges(patch.row(r), patch.row(r) + patch.cols, patch.row(patch.rows - 1 - r));
   }
-  const std::size_t rows = samples.size() / cols;
-  const auto row = [&](std::size_t r) { return samples.begin() + static_cast<std::ptrdiff_t>(r * cols); };
-  for (std::size_t r = 0; mirrored && r < rows; ++r) std::reverse(row(r), row(r + 1));
-  for (std::size_t r = 0; south_up && r < rows / 2; ++r) std::swap_ranges(row(r), row(r + 1), row(rows - 1 - r));
+}
+
+/// What raw samples say by themselves. Limits lie a little inside the largest heights: beyond them, look closely.
+template <class T>
+struct RawRule {
+  bool has_nodata = false;
+  T nodata = 0, low = std::numeric_limits<T>::lowest(), high = std::numeric_limits<T>::max();
+};
+
+template <class T>
+RawRule<T> raw_rule(const RasterFacts& facts, const Coding& coding) {
+  RawRule<T> rule;
+  if (facts.nodata && !facts.warp) rule.has_nodata = true, rule.nodata = static_cast<T>(*facts.nodata);
+  if (coding.rule != Coding::Rule::raw) return rule;
+  const HeightStep& step = coding.step;
+  const double scale = step.integer ? step.scale / step.divisor : 1, offset = step.integer ? step.offset : 0;
+  const double largest = kLargestHeight / facts.metres_per_unit * (1 - 1e-9);
+  const double a = (-largest - offset) / scale, b = (largest - offset) / scale;
+  const auto held = [](double v) {
+    return static_cast<T>(std::clamp(std::trunc(v), double{std::numeric_limits<T>::lowest()},
+                                     double{std::numeric_limits<T>::max()}));
+  };
+  rule.low = held(std::min(a, b));
+  rule.high = held(std::max(a, b));
+  return rule;
+}
+
+/// All data, all heights.
+template <class T>
+bool is_plain(const Patch<T>& patch, const RawRule<T>& rule) {
+  const T nodata = rule.nodata, low = rule.low, high = rule.high;
+  const auto has_nodata = static_cast<Bits<T>>(rule.has_nodata);
+  for (std::size_t r = 0; r < patch.rows; ++r) {
+    const T* row = patch.row(r);
+    Bits<T> odd = 0;
+    for (std::size_t c = 0; c < patch.cols; ++c) {
+      const T v = row[c];
+      const auto is_void = static_cast<Bits<T>>(static_cast<Bits<T>>(v == nodata) & has_nodata);
+      const auto is_height = static_cast<Bits<T>>(static_cast<Bits<T>>(v >= low) & static_cast<Bits<T>>(v <= high));
+      odd = static_cast<Bits<T>>(odd | is_void | (is_height ^ 1));
+    }
+    if (odd != 0) return false;
+  }
+  return true;
+}
+
+/// Marks voids in `valid`, which holds the mask, and makes their samples 0. Returns whether all samples are data.
+template <class T>
+bool mark_voids(const Patch<T>& patch, const RawRule<T>& rule, std::vector<std::uint8_t>& valid) {
+  const T nodata = rule.nodata;
+  const bool has_nodata = rule.has_nodata;
+  std::uint8_t all = 1;
+  for (std::size_t r = 0; r < patch.rows; ++r) {
+    T* row = patch.row(r);
+    std::uint8_t* ok = valid.data() + r * patch.cols;
+    for (std::size_t c = 0; c < patch.cols; ++c) {
+      const T v = row[c];
+      const bool is_data = !((v == nodata) & has_nodata) & (v == v) & (ok[c] != 0);
+      ok[c] = static_cast<std::uint8_t>(is_data);
+      row[c] = is_data ? v : T{0};
+      all = static_cast<std::uint8_t>(all & ok[c]);
+    }
+  }
+  return all != 0;
 }
 
 }  // namespace
 
-struct RasterSource::Gdal {
-  std::string name;  // as failures call it
-  std::unique_ptr<void, CloseDataset> dataset;
-  GDALRasterBandH band = nullptr;
-  GDALRasterBandH mask = nullptr;  // null where nodata says it all
-  std::optional<double> nodata;
-  double scale = 1, offset = 0;  // of floats; those of integers are in the step
-  bool mirrored = false, south_up = false;
+RasterSource::RasterSource(const RasterFacts& facts) : facts_(facts), dataset_(open_dataset(facts)) {
+  GDALDatasetH dataset = dataset_.get();
+  GDALRasterBandH first = GDALGetRasterCount(dataset) < 1 ? nullptr : GDALGetRasterBand(dataset, 1);
+  if (first == nullptr || GDALGetRasterXSize(dataset) != facts.cols || GDALGetRasterYSize(dataset) != facts.rows ||
+      GDALGetRasterDataType(first) != facts.type) {
+    throw Failure(Cause::io, fmt::format("{} changed while it was being read", facts.name));
+  }
+  band_ = first;
+  if (facts.warp) {
+    warped_ = warp_dataset(dataset, facts);
+    band_ = GDALGetRasterBand(warped_.get(), 1);
+    mask_ = GDALGetRasterBand(warped_.get(), 2);
+  } else if (facts.masked) {
+    mask_ = GDALGetMaskBand(band_);
+  }
+}
 
-  template <class T>
-  std::vector<T> read(GDALRasterBandH from, GDALDataType as, GridRect part) const;
-};
+void RasterSource::read_raw(GDALRasterBandH band, GDALDataType as, GridRect part, void* samples,
+                            std::size_t row_bytes) const {
+  GdalScope gdal;
+  const GridRect& place = facts_.place;
+  const int cols = static_cast<int>(part.cols()), rows = static_cast<int>(part.rows());
+  const int x = facts_.is_mirrored && !facts_.warp ? place.last.col - part.last.col : part.first.col - place.first.col;
+  const int y = facts_.is_south_up && !facts_.warp ? place.last.row - part.last.row : part.first.row - place.first.row;
+  const CPLErr outcome = GDALRasterIOEx(band, GF_Read, x, y, cols, rows, samples, cols, rows, as, 0,
+                                        static_cast<GSpacing>(row_bytes), nullptr);
+  // Resampling complains of points that have no place in the other CRS, and goes on rightly.
+  if (outcome == CE_None && (facts_.warp || gdal.reason().empty())) return;
+  throw Failure(Cause::io, fmt::format("cannot read columns {} to {}, rows {} to {} of {}{}", x, x + cols - 1, y,
+                                       y + rows - 1, facts_.name, gdal.reason()));
+}
 
 template <class T>
-std::vector<T> RasterSource::Gdal::read(GDALRasterBandH from, GDALDataType as, GridRect part) const {
-  GdalScope gdal;
-  const int cols = static_cast<int>(part.cols()), rows = static_cast<int>(part.rows());
-  const int x = mirrored ? GDALGetRasterXSize(dataset.get()) - 1 - part.last.col : part.first.col;
-  const int y = south_up ? GDALGetRasterYSize(dataset.get()) - 1 - part.last.row : part.first.row;
-  std::vector<T> samples(static_cast<std::size_t>(part.samples()));
-  if (GDALRasterIOEx(from, GF_Read, x, y, cols, rows, samples.data(), cols, rows, as, 0, 0, nullptr) != CE_None) {
-    throw Failure(Cause::io, fmt::format("cannot read columns {} to {}, rows {} to {} of {}{}", part.first.col,
-                                         part.last.col, part.first.row, part.last.row, name, gdal.reason()));
-  }
-  turn(samples, static_cast<std::size_t>(cols), mirrored, south_up);
-  return samples;
-}
+std::vector<std::uint8_t> RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size_t stride) const {
+  const Patch<T> patch{codes, static_cast<std::size_t>(part.cols()), static_cast<std::size_t>(part.rows()), stride};
+  const bool mirrored = facts_.is_mirrored && !facts_.warp, south_up = facts_.is_south_up && !facts_.warp;
+  read_raw(band_, kGdalType<T>, part, codes, stride * sizeof(T));
+  turn(patch, mirrored, south_up);
 
-RasterSource::RasterSource(const fs::path& file) : gdal_(std::make_unique<Gdal>()) {
-  const AdmittedRaster admitted = admit_raster(file);
-  GdalScope scope;
-  const std::array<const char*, 2> only{admitted.driver.c_str(), nullptr};
-  const std::string& name = gdal_->name = file.string();
-  gdal_->dataset.reset(
-      GDALOpenEx(admitted.file.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr));
-  GDALDatasetH dataset = gdal_->dataset.get();
-  if (dataset == nullptr) {
-    throw Failure(Cause::unsupported, fmt::format("cannot open {} as {}{}", name, admitted.driver, scope.reason()));
-  }
-  if (GDALGetRasterCount(dataset) < 1) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} has no band to take heights from", name));
-  }
-  GDALRasterBandH band = gdal_->band = GDALGetRasterBand(dataset, 1);
-  check_type(band, name);
-
-  Description& d = description_;
-  d.extent = extent_of(dataset, name);
-  const Placement placed = placement_of(dataset, d.extent, name);
-  d.mapping = placed.mapping;
-  gdal_->mirrored = placed.mirrored;
-  gdal_->south_up = placed.south_up;
-  d.crs_wkt = crs_of(dataset, name, scope);
-  d.source_name = file.filename().string();
-  d.source_type = GDALGetDataTypeName(GDALGetRasterDataType(band));
-  const std::string unit = GDALGetRasterUnitType(band);
-  d.metres_per_unit = metres_per(unit, name);
-  d.vertical_unit = unit.empty() ? "metre" : unit;
-
-  const double scale = scale_or_offset(GDALGetRasterScale(band, nullptr), true, name);
-  const double offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, name);
-  if (is_integer(GDALGetRasterDataType(band))) {
-    d.step = {scale, 1, offset, true};
+  const RawRule<T> rule = raw_rule<T>(facts_, coding);
+  std::vector<std::uint8_t> valid;
+  if (mask_ != nullptr) {
+    valid.resize(patch.cols * patch.rows);
+    read_raw(mask_, GDT_Byte, part, valid.data(), patch.cols);
+    turn(Patch<std::uint8_t>{valid.data(), patch.cols, patch.rows, patch.cols}, mirrored, south_up);
+  } else if (is_plain(patch, rule) && coding.rule == Coding::Rule::raw) {
+    return valid;
   } else {
-    d.step = {1, 1, 0, false};
-    gdal_->scale = scale;
-    gdal_->offset = offset;
+    valid.assign(patch.cols * patch.rows, 1);
   }
-  gdal_->nodata = nodata_of(band);
-  if (has_mask(band)) gdal_->mask = GDALGetMaskBand(band);
-}
+  const bool all = mark_voids(patch, rule, valid);
 
-RasterSource::~RasterSource() = default;
-RasterSource::RasterSource(RasterSource&&) noexcept = default;
-RasterSource& RasterSource::operator=(RasterSource&&) noexcept = default;
-
-int RasterSource::bands() const { return GDALGetRasterCount(gdal_->dataset.get()); }
-
-CodeWindow RasterSource::read_codes(GridRect part) const {
-  const GridRect& extent = description_.extent;
-  if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("columns {} to {}, rows {} to {} are not a part of {}, which has {} x {} samples", part.first.col,
-                    part.last.col, part.first.row, part.last.row, gdal_->name, extent.cols(), extent.rows()));
-  }
-  CodeWindow window;
-  window.region = part;
-  window.codes = gdal_->read<double>(gdal_->band, GDT_Float64, part);
-  window.valid = gdal_->mask ? gdal_->read<std::uint8_t>(gdal_->mask, GDT_Byte, part)
-                             : std::vector<std::uint8_t>(window.codes.size(), 1);
-
-  const HeightStep& step = description_.step;
-  const double nodata = gdal_->nodata.value_or(std::numeric_limits<double>::quiet_NaN());  // equals nothing
-  const double largest = kLargestHeight / description_.metres_per_unit;
-  for (std::size_t i = 0; i < window.codes.size(); ++i) {
-    double& code = window.codes[i];
-    const bool valid = window.valid[i] != 0 && code != nodata && !std::isnan(code);
-    window.valid[i] = valid ? 1 : 0;
-    if (!valid) continue;
-    code *= gdal_->scale;
-    if (gdal_->offset != 0) code += gdal_->offset;  // -0.0 + 0 is 0
-    const double value = step.integer ? step.value(code) : code;
-    if (!(std::abs(value) <= largest)) {
-      const auto cols = static_cast<std::size_t>(part.cols());
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down); "
-                                "if it means no data, declare it: gdal_translate -a_nodata",
-                                gdal_->name, value, description_.vertical_unit,
-                                part.first.col + static_cast<std::int64_t>(i % cols),
-                                part.first.row + static_cast<std::int64_t>(i / cols), kLargestHeight));
+  const double largest = kLargestHeight / facts_.metres_per_unit;
+  const bool is_integer = facts_.is_integer();
+  const HeightStep own{facts_.scale, 1, facts_.offset, true}, step = coding.step;
+  const auto value_of = [&](double raw) {
+    if (is_integer) return own.value(raw);
+    const double scaled = raw * facts_.scale;
+    return facts_.offset != 0 ? scaled + facts_.offset : scaled;  // -0.0 + 0 is 0
+  };
+  for (std::size_t r = 0; r < patch.rows; ++r) {
+    T* row = patch.row(r);
+    const std::uint8_t* ok = valid.data() + r * patch.cols;
+    for (std::size_t c = 0; c < patch.cols; ++c) {
+      if (ok[c] == 0 || (coding.rule == Coding::Rule::raw && row[c] >= rule.low && row[c] <= rule.high)) continue;
+      const double value = value_of(static_cast<double>(row[c]));
+      if (!(std::abs(value) <= largest)) {
+        throw Failure(Cause::invalid_argument,
+                      fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down); "
+                                  "if it means no data, declare it: gdal_translate -a_nodata",
+                                  facts_.name, value, facts_.vertical_unit,
+                                  part.first.col - facts_.place.first.col + static_cast<std::int64_t>(c),
+                                  part.first.row - facts_.place.first.row + static_cast<std::int64_t>(r),
+                                  kLargestHeight));
+      }
+      if (coding.rule == Coding::Rule::value) row[c] = static_cast<T>(value);
+      if (coding.rule == Coding::Rule::rounded) {
+        row[c] = static_cast<T>(std::nearbyint((value - step.offset) * step.divisor / step.scale) + 0.0);
+      }
     }
   }
-  return window;
+  if (all) valid.clear();
+  return valid;
 }
 
-SampleWindow RasterSource::read(GridRect part) const {
-  CodeWindow codes = read_codes(part);
-  SampleWindow window{codes.region, std::move(codes.codes), std::move(codes.valid)};
-  const HeightStep& step = description_.step;
-  if (step.integer) {
-    for (double& value : window.values) value = step.value(value);
-  }
-  return window;
-}
-
-// ---- the public door -----------------------------------------------------------------------------
-
-struct Raster::Opened {
-  RasterSource source;
-};
-
-Raster::Raster(const fs::path& input) : opened_(std::make_unique<Opened>(Opened{RasterSource{input}})) {}
-Raster::~Raster() = default;
-Raster::Raster(Raster&&) noexcept = default;
-Raster& Raster::operator=(Raster&&) noexcept = default;
-
-const Description& Raster::description() const { return opened_->source.description(); }
-SampleWindow Raster::read(GridRect part) const { return opened_->source.read(part); }
+template std::vector<std::uint8_t> RasterSource::read(GridRect, const Coding&, std::int16_t*, std::size_t) const;
+template std::vector<std::uint8_t> RasterSource::read(GridRect, const Coding&, float*, std::size_t) const;
+template std::vector<std::uint8_t> RasterSource::read(GridRect, const Coding&, double*, std::size_t) const;
 
 }  // namespace talus

@@ -1,60 +1,48 @@
 #pragma once
-// A raster as Talus sees it: samples on a grid with row 0 in the north, voids as a mask.
+// One open raster, read as height codes.
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <vector>
 
-#include "talus/description.hpp"
-#include "talus/units.hpp"
+#include "ingest/raster_facts.hpp"
 
 namespace talus {
 
-/// Samples of a rectangle as height codes of the raster's step, row by row from the north.
-struct CodeWindow {
-  GridRect region{{0, 0}, {-1, -1}};
-  std::vector<double> codes;        ///< unspecified where void
-  std::vector<std::uint8_t> valid;  ///< 1 where the sample is data
-
-  [[nodiscard]] std::size_t index(GridPoint p) const {
-    return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +
-                                    (std::int64_t{p.col} - region.first.col));
-  }
+/// How raw samples become height codes.
+struct Coding {
+  enum class Rule {
+    raw,     ///< a code is the sample
+    value,   ///< a code is the height: scale and offset applied
+    rounded  ///< a code is the height in whole steps, the nearest
+  };
+  Rule rule = Rule::raw;
+  HeightStep step;
 };
 
-/// The first band of one local raster file, opened read-only. One thread at a time.
-///
-/// Samples are pixel centres. South-up and mirrored rasters are turned, so that columns run east and
-/// rows south. Void is what the file declares void (nodata, mask, alpha) and NaN. Integer samples are
-/// their own codes, with the band's scale and offset as the step; floats are codes as they are, scale
-/// and offset applied.
+/// Samples void by nodata, mask, alpha or NaN have the code 0. South-up and mirrored rasters are turned.
 class RasterSource {
  public:
-  /// fails  not_found; unsupported: see raster_guard.hpp, sample type, rotation, vertical unit;
-  ///        invalid_argument: no band, size or cells that make no sense; io
-  explicit RasterSource(const std::filesystem::path& file);
-  ~RasterSource();
-  RasterSource(RasterSource&&) noexcept;
-  RasterSource& operator=(RasterSource&&) noexcept;
+  /// Opens the file again, and what resamples it if it must be.
+  /// fails  io: it is no longer what it was; unsupported
+  explicit RasterSource(const RasterFacts& facts);
 
-  /// Minimum, maximum and void_samples take a pass over the data: they are 0 here, ingest fills them.
-  [[nodiscard]] const Description& description() const { return description_; }
-
-  /// How many bands the file has; the first is the one that is read.
-  [[nodiscard]] int bands() const;
-
-  /// fails  invalid_argument: beyond the extent, or a sample that is no height; io
-  /// cost   one read; 9 bytes a sample
-  [[nodiscard]] CodeWindow read_codes(GridRect part) const;
-  /// The same in the vertical unit.
-  [[nodiscard]] SampleWindow read(GridRect part) const;
+  /// Reads samples of the common grid into `codes`, whose rows are `stride` apart.
+  ///
+  /// T       int16_t, float or double, one that holds every raw sample and every code
+  /// returns which samples are data, one byte each row by row; empty: all are
+  /// fails   io: names the rows; invalid_argument: a sample that is no height
+  /// cost    one read of the file; memory one byte a sample, where something is void
+  template <class T>
+  std::vector<std::uint8_t> read(GridRect part, const Coding& coding, T* codes, std::size_t stride) const;
 
  private:
-  struct Gdal;
-  std::unique_ptr<Gdal> gdal_;
-  Description description_;
+  RasterFacts facts_;
+  DatasetOwner dataset_, warped_;  // the latter reads from the former
+  GDALRasterBandH band_ = nullptr;
+  GDALRasterBandH mask_ = nullptr;  // null where nodata says it all
+
+  void read_raw(GDALRasterBandH band, GDALDataType as, GridRect part, void* samples, std::size_t row_bytes) const;
 };
 
 }  // namespace talus

@@ -38,7 +38,7 @@ class RangeQuery {
         region_(region),
         tolerance_(tolerance.value),
         threshold_(largest_code_within(tolerance.value)),
-        margin_m_(manifest_.exact ? 0 : kRoundingMargin),
+        margin_m_(0),
         largest_residual_(largest_residual_within(tolerance.value, pages.distance(), margin_m_)),
         vertices_(region),
         cost_(pages.cost_of_header()) {}
@@ -140,8 +140,8 @@ class RangeQuery {
         }
         const double a = page.heights[i - step], b = page.heights[i + step];
         const double residual = std::abs(page.heights[i] - (a + b) / 2);
-        const bool above = residual > largest_residual_ && (manifest_.exact || !halves_exactly(a, b, page.heights[i]));
-        if (!decide(col, row, i, above) && (residual > 0 || !manifest_.exact)) {
+        const bool above = residual > largest_residual_ && true;
+        if (!decide(col, row, i, above) && (residual > 0)) {
           largest_absent_residual_ = std::max(largest_absent_residual_, residual);
         }
       }

@@ -128,7 +128,7 @@ class Verification {
 
   [[nodiscard]] ErrorCode error_in(const Page& page, GridPoint p, std::int32_t col, std::int32_t row) const {
     if (page.is_implied(p, col, row))
-      return error_code(page.implied_error(p, col, row, pages_.distance(), pages_.manifest().exact));
+      return error_code(page.implied_error(p, col, row, pages_.distance(), true));
     return page.errors[page.index(col, row)];
   }
 

@@ -55,7 +55,7 @@ struct IngestOptions {
   double void_weight = 1.0;  ///< metres of error per metre of ground side where a triangle mixes data and void
   unsigned threads = 0;      ///< 0: one a core. The database is the same for any number.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The database is the same.
-  InputOptions inputs;
+  InputOptions inputs = {};
   /// Told now and then; may throw to end the work, which can then be resumed.
   std::function<void(const IngestProgress&)> progress = {};
 };

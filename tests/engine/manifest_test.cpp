@@ -3,6 +3,7 @@
 #include "engine/manifest.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -31,8 +32,10 @@ Manifest example() {
   d.maximum = 8848.86;
   d.void_samples = 12345678901;
   d.void_weight = 0.5;
+  d.lossy_metres = 0.25;
   m.bands = band_count(d.extent);
-  m.exact = false;
+  m.generation = 3;
+  m.top_generations = {2};
   return m;
 }
 
@@ -61,7 +64,8 @@ TEST(Manifest, DecodeOfEncodeIsTheManifest) {
   const Manifest m = example(), back = decode_manifest(encode(m));
   const Description &d = m.description, &b = back.description;
   EXPECT_EQ(back.bands, m.bands);
-  EXPECT_EQ(back.exact, m.exact);
+  EXPECT_EQ(back.generation, m.generation);
+  EXPECT_EQ(back.top_generations, m.top_generations);
   EXPECT_EQ(b.extent, d.extent);
   EXPECT_EQ(b.mapping, d.mapping);
   EXPECT_EQ(b.crs_wkt, d.crs_wkt);
@@ -74,12 +78,14 @@ TEST(Manifest, DecodeOfEncodeIsTheManifest) {
   EXPECT_EQ(b.maximum, d.maximum);
   EXPECT_EQ(b.void_samples, d.void_samples);
   EXPECT_EQ(b.void_weight, d.void_weight);
+  EXPECT_EQ(b.lossy_metres, d.lossy_metres);
 }
 
 TEST(Manifest, TheSameManifestIsTheSameBytes) { EXPECT_EQ(encode(example()), encode(example())); }
 
 TEST(Manifest, AnotherVersionIsUnsupported) {
-  EXPECT_EQ(refused("/talus", 2), kUnsupported);
+  EXPECT_EQ(refused("/talus", 1), kUnsupported);
+  EXPECT_EQ(refused("/talus", kFormatVersion + 1), kUnsupported);
   EXPECT_EQ(refused("/talus", 0), kUnsupported);
   EXPECT_EQ(refused("/talus", -1), kUnsupported);
 }
@@ -91,7 +97,7 @@ TEST(Manifest, AnotherPageLayoutIsUnsupported) {
 
 TEST(Manifest, WhatIsNoHeaderIsCorrupt) {
   for (const char* text :
-       {"", "{", "[]", "null", "7", "{}", "{\"talus\": 1}", "{\"talus\": \"one\"}", "\xff\xfe", "{\"talus\": null}"}) {
+       {"", "{", "[]", "null", "7", "{}", "{\"talus\": 2}", "{\"talus\": \"one\"}", "\xff\xfe", "{\"talus\": null}"}) {
     try {
       static_cast<void>(decode_text(text));
       ADD_FAILURE() << "took " << text;
@@ -135,8 +141,40 @@ TEST(Manifest, ImpossibleValuesAreCorrupt) {
   EXPECT_EQ(refused("/step/divisor", -10), kCorrupt);
   EXPECT_EQ(refused("/vertical/metres_per_unit", 0), kCorrupt);
   EXPECT_EQ(refused("/errors/void_weight", -1), kCorrupt);
+  EXPECT_EQ(refused("/errors/lossy_bound", -1), kCorrupt);
+  EXPECT_EQ(refused("/top_generations", Json::array()), kCorrupt);
+  EXPECT_EQ(refused("/top_generations", Json({0, 0})), kCorrupt);
+  EXPECT_EQ(refused("/generation", -1), kCorrupt);
   EXPECT_EQ(refused("/heights/minimum", "low"), kCorrupt);
   EXPECT_EQ(refused("/heights/minimum", nullptr), kCorrupt);
+}
+
+TEST(Provenance, DecodeOfEncodeIsTheProvenance) {
+  Provenance p;
+  p.sources = {{"höhe.tif", "GTiff", "Int16", 1201, 1200, 123456789012, 0xfedcba9876543210}, {"b.hgt", "SRTMHGT", "Int16", 1, 2, 3, 4}};
+  p.made_by = "talus 9, --void-weight 2";
+  p.generation = 7;
+  p.vertices_above = {{0, 100}, {0.001, 90}, {50000, 0}};
+  const Provenance back = decode_provenance(encode(p));
+  ASSERT_EQ(back.sources.size(), 2u);
+  EXPECT_EQ(back.sources[0].name, p.sources[0].name);
+  EXPECT_EQ(back.sources[0].driver, p.sources[0].driver);
+  EXPECT_EQ(back.sources[0].type, p.sources[0].type);
+  EXPECT_EQ(back.sources[0].cols, p.sources[0].cols);
+  EXPECT_EQ(back.sources[0].rows, p.sources[0].rows);
+  EXPECT_EQ(back.sources[0].bytes, p.sources[0].bytes);
+  EXPECT_EQ(back.sources[0].checksum, p.sources[0].checksum);
+  EXPECT_EQ(back.made_by, p.made_by);
+  EXPECT_EQ(back.generation, p.generation);
+  EXPECT_EQ(back.vertices_above, p.vertices_above);
+}
+
+TEST(Provenance, WhatIsNoneIsRefused) {
+  for (const char* text : {"", "{", "[]", "{}", "{\"sources\": 7}",
+                           "{\"sources\": [], \"made_by\": 1, \"generation\": 0, \"vertices_above\": []}",
+                           "{\"sources\": [], \"made_by\": \"\", \"generation\": 0, \"vertices_above\": [[1]]}"}) {
+    EXPECT_THROW(static_cast<void>(decode_provenance(std::as_bytes(std::span(text, std::strlen(text))))), Failure) << text;
+  }
 }
 
 TEST(Manifest, NumbersThatDoNotFitTheirTypeAreRefused) {

@@ -32,7 +32,7 @@ void write_database(const fs::path& file) {
 
 std::optional<Cause> refused(const fs::path& database, bool overwrite) {
   try {
-    const PartFile part(database, overwrite);
+    const PartFile part(database, overwrite, PartFile::Left::refuse);
     return std::nullopt;
   } catch (const Failure& failure) {
     EXPECT_NE(std::string(failure.what()).find(database.filename().string()), std::string::npos) << failure.what();
@@ -42,7 +42,7 @@ std::optional<Cause> refused(const fs::path& database, bool overwrite) {
 
 TEST(PartFile, StandsBesideTheDatabaseWhileItIsMade) {
   const TempFolder folder;
-  const PartFile part(folder / "a.talus", false);
+  const PartFile part(folder / "a.talus", false, PartFile::Left::refuse);
   EXPECT_EQ(part.path(), folder / "a.talus.part");
   EXPECT_TRUE(fs::exists(part.path()));
   EXPECT_FALSE(fs::exists(folder / "a.talus"));
@@ -51,7 +51,7 @@ TEST(PartFile, StandsBesideTheDatabaseWhileItIsMade) {
 TEST(PartFile, PublishingPutsItInTheDatabasesPlace) {
   const TempFolder folder;
   {
-    PartFile part(folder / "a.talus", false);
+    PartFile part(folder / "a.talus", false, PartFile::Left::refuse);
     write_text(part.path(), "whole");
     part.publish();
   }
@@ -61,7 +61,7 @@ TEST(PartFile, PublishingPutsItInTheDatabasesPlace) {
 
 TEST(PartFile, LeavesNothingBehindUnlessPublished) {
   const TempFolder folder;
-  { const PartFile part(folder / "a.talus", false); }
+  { const PartFile part(folder / "a.talus", false, PartFile::Left::refuse); }
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
@@ -72,7 +72,7 @@ TEST(PartFile, AnExistingDatabaseIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(refused(folder / "a.talus", false), Cause::invalid_argument);
   EXPECT_EQ(text_of(folder / "a.talus"), before);
   {
-    PartFile part(folder / "a.talus", true);
+    PartFile part(folder / "a.talus", true, PartFile::Left::refuse);
     EXPECT_EQ(text_of(folder / "a.talus"), before) << "until it is published";
     write_text(part.path(), "new");
     part.publish();
@@ -101,16 +101,46 @@ TEST(PartFile, WithoutItsFolderItIsNotFound) {
 
 TEST(PartFile, OneIngestAtATime) {
   const TempFolder folder;
-  const PartFile part(folder / "a.talus", false);
+  const PartFile part(folder / "a.talus", false, PartFile::Left::refuse);
   EXPECT_EQ(refused(folder / "a.talus", false), Cause::invalid_argument);
   EXPECT_TRUE(fs::exists(part.path())) << "the second one must not take it away";
 }
 
-TEST(PartFile, WhatAKilledIngestLeftIsOverwritten) {
+void write_interrupted(const fs::path& file) {
+  PageWriter writer(file);
+  writer.put({kRecordTable, 3}, {});
+  writer.commit(true);
+}
+
+TEST(PartFile, WhatWasLeftIsReplacedOrGoneOnWithOnlyWhenAsked) {
+  const TempFolder folder;
+  write_interrupted(folder / "a.talus.part");
+  const std::string left = text_of(folder / "a.talus.part");
+  EXPECT_EQ(refused(folder / "a.talus", false), Cause::invalid_argument);
+  EXPECT_EQ(text_of(folder / "a.talus.part"), left);
+  {
+    PartFile part(folder / "a.talus", false, PartFile::Left::resume);
+    EXPECT_EQ(text_of(part.path()), left);
+    part.keep();
+  }
+  EXPECT_EQ(text_of(folder / "a.talus.part"), left) << "kept";
+  const PartFile part(folder / "a.talus", false, PartFile::Left::replace);
+  EXPECT_EQ(fs::file_size(part.path()), 0u);
+}
+
+TEST(PartFile, WorkThatHadSettledNothingIsNoLoss) {
   const TempFolder folder;
   write_database(folder / "a.talus.part");
-  const PartFile part(folder / "a.talus", false);
+  const PartFile part(folder / "a.talus", false, PartFile::Left::refuse);
   EXPECT_EQ(fs::file_size(part.path()), 0u);
+}
+
+TEST(PartFile, CopiesTheDatabase) {
+  const TempFolder folder;
+  write_database(folder / "a.talus");
+  PartFile part(folder / "a.talus", true, PartFile::Left::replace);
+  part.copy_database();
+  EXPECT_EQ(text_of(part.path()), text_of(folder / "a.talus"));
 }
 
 TEST(PartFile, SomebodysOtherFileOfThatNameIsLeftAlone) {

@@ -253,7 +253,8 @@ TEST(PageStore, FourThreadsReadAtOnce) {
 Bytes read_file(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  return copy(std::as_bytes(std::span(text)));
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
 }
 void write_file(const fs::path& file, std::span<const std::byte> bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc)

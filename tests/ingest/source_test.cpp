@@ -1,4 +1,4 @@
-#include "ingest/raster_source.hpp"
+#include "ingest/source.hpp"
 
 #include <array>
 #include <bit>
@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include <gdal.h>
 #include <gmock/gmock.h>
@@ -34,7 +36,20 @@ Terrain counting() {
   return support::surface(3, 2, [](int col, int row) { return 3 * row + col; });
 }
 
-CodeWindow all_codes(const RasterSource& source) { return source.read_codes(source.description().extent); }
+Source open(const std::filesystem::path& file) { return Source{{file}, {}}; }
+
+/// A window, spelled out.
+struct Spelled {
+  std::vector<double> codes;
+  std::vector<std::uint8_t> valid;
+};
+Spelled spelled(const Window& window) {
+  Spelled all{{}, window.valid};
+  std::visit([&](const auto& codes) { all.codes.assign(codes.begin(), codes.end()); }, window.codes);
+  if (all.valid.empty()) all.valid.assign(all.codes.size(), 1);
+  return all;
+}
+Spelled all_codes(const Source& source) { return spelled(source.read(source.description().extent)); }
 
 template <class Action>
 Failure failure_of(Action&& action) {
@@ -47,7 +62,7 @@ Failure failure_of(Action&& action) {
   return {Cause::io, ""};
 }
 
-class RasterSourceTest : public ::testing::Test {
+class SourceTest : public ::testing::Test {
  protected:
   std::filesystem::path write(const Terrain& terrain, const RasterOptions& options = {}) {
     write_raster(terrain, folder_ / "dem.tif", options);
@@ -70,11 +85,11 @@ class RasterSourceTest : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(RasterSourceTest, SamplesArePixelCentres) {
+TEST_F(SourceTest, SamplesArePixelCentres) {
   RasterOptions options;
   options.geotransform = {100, 10, 0, 200, 0, -20};
   options.crs = "EPSG:32632";
-  const RasterSource dem{write(counting(), options)};
+  const Source dem = open(write(counting(), options));
   const Description& d = dem.description();
   EXPECT_EQ(d.extent, (GridRect{{0, 0}, {2, 1}}));
   EXPECT_EQ(d.mapping, (GridMapping{105, 190, 10, -20}));
@@ -85,46 +100,46 @@ TEST_F(RasterSourceTest, SamplesArePixelCentres) {
   EXPECT_THAT(all_codes(dem).codes, ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
-TEST_F(RasterSourceTest, SouthUpAndMirroredRastersAreTurned) {
+TEST_F(SourceTest, SouthUpAndMirroredRastersAreTurned) {
   RasterOptions options;
   options.geotransform = {100, 10, 0, 200, 0, 20};  // rows run north
   {
-    const RasterSource dem{write(counting(), options)};
+    const Source dem = open(write(counting(), options));
     EXPECT_EQ(dem.description().mapping, (GridMapping{105, 230, 10, -20}));
     EXPECT_THAT(all_codes(dem).codes, ElementsAre(3, 4, 5, 0, 1, 2));
-    EXPECT_THAT(dem.read_codes({{1, 1}, {2, 1}}).codes, ElementsAre(1, 2));
+    EXPECT_THAT(spelled(dem.read({{1, 1}, {2, 1}})).codes, ElementsAre(1, 2));
   }
   options.geotransform = {100, -10, 0, 200, 0, 20};  // and columns west
-  const RasterSource dem{write(counting(), options)};
+  const Source dem = open(write(counting(), options));
   EXPECT_EQ(dem.description().mapping, (GridMapping{75, 230, 10, -20}));
   EXPECT_THAT(all_codes(dem).codes, ElementsAre(5, 4, 3, 2, 1, 0));
-  EXPECT_THAT(dem.read_codes({{0, 0}, {0, 1}}).codes, ElementsAre(5, 2));
+  EXPECT_THAT(spelled(dem.read({{0, 0}, {0, 1}})).codes, ElementsAre(5, 2));
 }
 
-TEST_F(RasterSourceTest, ARasterWithoutPlaceCountsPixels) {
+TEST_F(SourceTest, ARasterWithoutPlaceCountsPixels) {
   RasterOptions options;
   options.geotransform = {0, 1, 0, 0, 0, 1};  // GDAL's word for none
-  EXPECT_EQ(RasterSource{write(counting(), options)}.description().mapping, (GridMapping{0.5, -0.5, 1, -1}));
+  EXPECT_EQ(open(write(counting(), options)).description().mapping, (GridMapping{0.5, -0.5, 1, -1}));
 }
 
-TEST_F(RasterSourceTest, NodataIsComparedInTheSamplesOwnType) {
+TEST_F(SourceTest, NodataIsComparedInTheSamplesOwnType) {
   Terrain terrain = counting();
   terrain.make_void(1, 1);
   RasterOptions options;
   options.type = SampleType::float32;
   options.nodata = -3.4028234663852886e38;
-  EXPECT_THAT(all_codes(RasterSource{write(terrain, options)}).valid, ElementsAre(1, 1, 1, 1, 0, 1));
+  EXPECT_THAT(all_codes(open(write(terrain, options))).valid, ElementsAre(1, 1, 1, 1, 0, 1));
   options.nodata = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(all_codes(RasterSource{write(terrain, options)}).valid, ElementsAre(1, 1, 1, 1, 0, 1));
+  EXPECT_THAT(all_codes(open(write(terrain, options))).valid, ElementsAre(1, 1, 1, 1, 0, 1));
 }
 
-TEST_F(RasterSourceTest, NodataThatNoSampleCanHoldMeansNothing) {
+TEST_F(SourceTest, NodataThatNoSampleCanHoldMeansNothing) {
   write(counting());
-  const RasterSource dem{write_vrt("v.vrt", "<NoDataValue>0.5</NoDataValue>" + source("dem.tif"))};
+  const Source dem = open(write_vrt("v.vrt", "<NoDataValue>0.5</NoDataValue>" + source("dem.tif")));
   EXPECT_THAT(all_codes(dem).valid, ElementsAre(1, 1, 1, 1, 1, 1));
 }
 
-TEST_F(RasterSourceTest, AMaskIsHonoured) {
+TEST_F(SourceTest, AMaskIsHonoured) {
   const std::filesystem::path file = write(counting());
   {
     GDALDatasetH dataset = GDALOpen(file.c_str(), GA_Update);
@@ -135,22 +150,22 @@ TEST_F(RasterSourceTest, AMaskIsHonoured) {
     ASSERT_EQ(GDALRasterIO(band, GF_Write, 0, 0, 3, 2, mask.data(), 3, 2, GDT_Byte, 0, 0), CE_None);
     GDALClose(dataset);
   }
-  EXPECT_THAT(all_codes(RasterSource{file}).valid, ElementsAre(1, 1, 0, 1, 1, 1));
+  EXPECT_THAT(all_codes(open(file)).valid, ElementsAre(1, 1, 0, 1, 1, 1));
 }
 
-TEST_F(RasterSourceTest, IntegersStayCodesAndTheBandsScaleIsTheStep) {
+TEST_F(SourceTest, IntegersStayCodesAndTheBandsScaleIsTheStep) {
   RasterOptions options;
   options.scale = 0.1;
   options.offset = -5;
   options.unit = "ft";
-  const RasterSource dem{write(counting(), options)};
+  const Source dem = open(write(counting(), options));
   EXPECT_EQ(dem.description().step, (HeightStep{0.1, 1, -5, true}));
   EXPECT_EQ(dem.description().metres_per_unit, 0.3048);
   EXPECT_THAT(all_codes(dem).codes, ElementsAre(0, 1, 2, 3, 4, 5));
-  EXPECT_EQ(dem.read({{2, 1}, {2, 1}}).values[0], 5 * 0.1 - 5);
+  EXPECT_EQ(Raster{folder_ / "dem.tif"}.read({{2, 1}, {2, 1}}).values[0], 5 * 0.1 - 5);
 }
 
-TEST_F(RasterSourceTest, MinusZeroSurvives) {
+TEST_F(SourceTest, MinusZeroSurvives) {
   Terrain terrain = counting();
   terrain.at(0, 0) = -0.0;
   for (const SampleType type : {SampleType::float32, SampleType::float64}) {
@@ -158,52 +173,52 @@ TEST_F(RasterSourceTest, MinusZeroSurvives) {
       RasterOptions options;
       options.type = type;
       options.scale = scale;
-      const RasterSource dem{write(terrain, options)};
+      const Source dem = open(write(terrain, options));
       EXPECT_TRUE(std::signbit(all_codes(dem).codes[0]));
-      EXPECT_TRUE(std::signbit(dem.read({{0, 0}, {0, 0}}).values[0]));
+      EXPECT_TRUE(std::signbit(Raster{folder_ / "dem.tif"}.read({{0, 0}, {0, 0}}).values[0]));
     }
   }
 }
 
-TEST_F(RasterSourceTest, AValueThatIsNoHeightIsNamed) {
+TEST_F(SourceTest, AValueThatIsNoHeightIsNamed) {
   Terrain terrain = counting();
   terrain.at(2, 1) = std::numeric_limits<double>::infinity();
   RasterOptions options;
   options.type = SampleType::float32;
-  const RasterSource dem{write(terrain, options)};
+  const Source dem = open(write(terrain, options));
   const Failure failure = failure_of([&] { static_cast<void>(all_codes(dem)); });
   EXPECT_EQ(failure.cause(), Cause::invalid_argument);
   EXPECT_THAT(failure.what(), HasSubstr("inf metre at column 2, row 1"));
 }
 
-TEST_F(RasterSourceTest, APartBeyondTheExtentIsRefused) {
-  const RasterSource dem{write(counting())};
+TEST_F(SourceTest, APartBeyondTheExtentIsRefused) {
+  const Source dem = open(write(counting()));
   for (const GridRect part : {GridRect{{0, 0}, {3, 1}}, GridRect{{-1, 0}, {1, 1}}, GridRect{{1, 1}, {0, 0}}}) {
-    EXPECT_EQ(failure_of([&] { static_cast<void>(dem.read_codes(part)); }).cause(), Cause::invalid_argument);
+    EXPECT_EQ(failure_of([&] { static_cast<void>(dem.read(part)); }).cause(), Cause::invalid_argument);
   }
 }
 
-TEST_F(RasterSourceTest, UnitsAreKnownOrRefused) {
+TEST_F(SourceTest, UnitsAreKnownOrRefused) {
   RasterOptions options;
   options.unit = "US survey foot";
-  EXPECT_EQ(RasterSource{write(counting(), options)}.description().metres_per_unit, 1200.0 / 3937.0);
+  EXPECT_EQ(open(write(counting(), options)).description().metres_per_unit, 1200.0 / 3937.0);
   options.unit = "fathom";
-  const Failure failure = failure_of([&] { RasterSource{write(counting(), options)}; });
+  const Failure failure = failure_of([&] { static_cast<void>(open(write(counting(), options))); });
   EXPECT_EQ(failure.cause(), Cause::unsupported);
   EXPECT_THAT(failure.what(), HasSubstr("fathom"));
 }
 
-TEST_F(RasterSourceTest, NothingIsLeftBesideTheRaster) {
+TEST_F(SourceTest, NothingIsLeftBesideTheRaster) {
   const std::filesystem::path file = write(counting());
-  static_cast<void>(all_codes(RasterSource{file}));
+  static_cast<void>(all_codes(open(file)));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder_.path()}, {}), 1);
 }
 
-TEST_F(RasterSourceTest, TheHostsErrorHandlerIsAsItWas) {
+TEST_F(SourceTest, TheHostsErrorHandlerIsAsItWas) {
   int called = 0;
   CPLPushErrorHandlerEx([](CPLErr, CPLErrorNum, const char*) { ++*static_cast<int*>(CPLGetErrorHandlerUserData()); },
                         &called);
-  static_cast<void>(failure_of([&] { RasterSource{write_text("not.tif", "II*")}; }));
+  static_cast<void>(failure_of([&] { static_cast<void>(open(write_text("not.tif", "II*"))); }));
   EXPECT_EQ(called, 0);
   CPLError(CE_Warning, CPLE_AppDefined, "ours again");
   CPLPopErrorHandler();
@@ -212,16 +227,16 @@ TEST_F(RasterSourceTest, TheHostsErrorHandlerIsAsItWas) {
 
 // ---- virtual rasters -----------------------------------------------------------------------------
 
-TEST_F(RasterSourceTest, AVirtualRasterOfItsOwnFolderIsRead) {
+TEST_F(SourceTest, AVirtualRasterOfItsOwnFolderIsRead) {
   write(counting());
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::rename(folder_ / "dem.tif", folder_ / "tiles/dem.tif");
   write_vrt("inner.vrt", source("tiles/dem.tif"));
-  EXPECT_THAT(all_codes(RasterSource{write_vrt("outer.vrt", source("inner.vrt"))}).codes,
+  EXPECT_THAT(all_codes(open(write_vrt("outer.vrt", source("inner.vrt")))).codes,
               ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
-TEST_F(RasterSourceTest, AVirtualRasterThatReachesOutIsRefused) {
+TEST_F(SourceTest, AVirtualRasterThatReachesOutIsRefused) {
   write(counting());
   const TempFolder elsewhere;
   write_raster(counting(), elsewhere / "far.tif");
@@ -247,15 +262,15 @@ TEST_F(RasterSourceTest, AVirtualRasterThatReachesOutIsRefused) {
       write_text("warped.vrt", R"(<VRTDataset rasterXSize="3" rasterYSize="2" subClass="VRTWarpedDataset"/>)"),
   };
   for (const std::filesystem::path& vrt : cases) {
-    EXPECT_EQ(failure_of([&] { RasterSource{vrt}; }).cause(), Cause::unsupported) << vrt;
+    EXPECT_EQ(failure_of([&] { static_cast<void>(open(vrt)); }).cause(), Cause::unsupported) << vrt;
   }
 }
 
-TEST_F(RasterSourceTest, AMaskFileThatIsNoPlainRasterIsRefused) {
+TEST_F(SourceTest, AMaskFileThatIsNoPlainRasterIsRefused) {
   const std::filesystem::path file = write(counting());
   write_text("dem.tif.msk", R"(<VRTDataset rasterXSize="3" rasterYSize="2"><VRTRasterBand dataType="Byte" band="1">)" +
                                 source("/vsicurl/http://localhost/mask.tif") + "</VRTRasterBand></VRTDataset>");
-  EXPECT_EQ(failure_of([&] { RasterSource{file}; }).cause(), Cause::unsupported);
+  EXPECT_EQ(failure_of([&] { static_cast<void>(open(file)); }).cause(), Cause::unsupported);
 }
 
 }  // namespace

@@ -1,0 +1,279 @@
+#include "ingest/raster_facts.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "engine/grid.hpp"
+#include "ingest/crs.hpp"
+#include "ingest/gdal_scope.hpp"
+#include "ingest/raster_guard.hpp"
+#include "ingest/vertical_unit.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNegligibleShear = 1e-6;  // cells, over the whole raster
+
+struct Range {
+  double low, high;
+};
+std::optional<Range> range_of(GDALDataType type) {
+  switch (type) {
+    case GDT_Byte: return Range{0, 255};
+    case GDT_Int16: return Range{-32768, 32767};
+    case GDT_UInt16: return Range{0, 65535};
+    case GDT_Int32: return Range{-2147483648.0, 2147483647.0};
+    case GDT_UInt32: return Range{0, 4294967295.0};
+    default: return std::nullopt;
+  }
+}
+
+void take_type(GDALRasterBandH band, RasterFacts& facts) {
+  facts.type = GDALGetRasterDataType(band);
+  if (!range_of(facts.type) && facts.type != GDT_Float32 && facts.type != GDT_Float64) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} has samples of type {}; Talus takes Byte, Int16, UInt16, Int32, UInt32, Float32 and "
+                              "Float64 (gdal_translate -ot converts)",
+                              facts.name, GDALGetDataTypeName(facts.type)));
+  }
+  const char* signedness = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+  if (facts.type == GDT_Byte && signedness != nullptr && std::string_view{signedness} == "SIGNEDBYTE") {
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} has signed bytes; gdal_translate -ot Int16 converts them", facts.name));
+  }
+}
+
+void take_size(GDALDatasetH dataset, RasterFacts& facts) {
+  facts.cols = GDALGetRasterXSize(dataset);
+  facts.rows = GDALGetRasterYSize(dataset);
+  if (facts.cols < 1 || facts.rows < 1 || facts.cols > kMaxExtent || facts.rows > kMaxExtent) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} is {} x {} samples; from 1 to {} a side can be taken in", facts.name, facts.cols,
+                              facts.rows, kMaxExtent));
+  }
+}
+
+void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
+  std::array<double, 6>& t = facts.geotransform;
+  constexpr std::array<double, 6> kNone{0, 1, 0, 0, 0, 1};  // what GDAL says where a file says nothing
+  facts.mapping = {0.5, -0.5, 1, -1};
+  if (GDALGetGeoTransform(dataset, t.data()) != CE_None || t == kNone) return;
+
+  if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); })) {
+    throw Failure(Cause::invalid_argument, fmt::format("{} has a geotransform that is not finite", facts.name));
+  }
+  facts.is_placed = true;
+  const double cols = facts.cols, rows = facts.rows;
+  facts.is_rotated = std::abs(t[2]) * rows > kNegligibleShear * std::abs(t[1]) ||
+                     std::abs(t[4]) * cols > kNegligibleShear * std::abs(t[5]);
+  if (facts.is_rotated) return;
+  facts.is_mirrored = t[1] < 0;
+  facts.is_south_up = t[5] > 0;
+  GridMapping& m = facts.mapping = {t[0] + 0.5 * t[1], t[3] + 0.5 * t[5], t[1], t[5]};
+  if (facts.is_mirrored) {
+    m.x0 += (cols - 1) * m.dx, m.dx = -m.dx;
+    facts.notes.push_back("columns run west and were turned");
+  }
+  if (facts.is_south_up) {
+    m.y0 += (rows - 1) * m.dy, m.dy = -m.dy;
+    facts.notes.push_back("rows run north and were turned");
+  }
+  const char* point = GDALGetMetadataItem(dataset, "AREA_OR_POINT", nullptr);
+  if (point != nullptr && EQUAL(point, "Point")) {
+    facts.notes.push_back("PixelIsPoint: its coordinates are those of samples, not of pixel corners");
+  }
+}
+
+void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
+  OGRSpatialReferenceH handle = GDALGetSpatialRef(dataset);
+  if (handle != nullptr) facts.crs_wkt = wkt_of(*OGRSpatialReference::FromHandle(handle), facts.name);
+  if (!options.srs.empty()) {
+    const std::string said = wkt_of(options.srs, "--srs");
+    if (!facts.crs_wkt.empty() && !same_crs(said, facts.crs_wkt)) {
+      facts.notes.push_back("states another coordinate system than --srs, which was taken");
+    }
+    facts.crs_wkt = said;
+  }
+  if (facts.crs_wkt.empty()) {
+    facts.notes.push_back("states no coordinate system, its cells count as metres; --srs gives one");
+  }
+}
+
+double known_unit(const std::string& unit, const std::string& name) {
+  if (const std::optional<double> metres = metres_in(unit)) return *metres;
+  throw Failure(Cause::unsupported,
+                fmt::format("{} has heights in \"{}\"; Talus knows metre, km, dm, cm, mm, foot and us-survey-foot, and "
+                            "--vertical-unit says which it is",
+                            name, unit));
+}
+
+// What the vertical part of the CRS says; empty: it has none.
+struct StatedUnit {
+  std::string name;
+  double metres = 1;
+};
+std::optional<StatedUnit> unit_of_crs(const std::string& wkt) {
+  if (wkt.empty()) return std::nullopt;
+  const OGRSpatialReference crs = crs_from(wkt);
+  if (crs.IsCompound() == 0) return std::nullopt;
+  GdalScope gdal;
+  const char* name = nullptr;
+  const double metres = crs.GetTargetLinearUnits("VERT_CS", &name);
+  return StatedUnit{name == nullptr ? "" : name, metres};
+}
+
+void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
+  const std::string stated = GDALGetRasterUnitType(band);
+  if (!options.vertical_unit.empty()) {
+    const std::optional<double> metres = metres_in(options.vertical_unit);
+    if (!metres) {
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("--vertical-unit {}: expected metre, km, dm, cm, mm, foot or us-survey-foot",
+                                options.vertical_unit));
+    }
+    facts.vertical_unit = options.vertical_unit;
+    facts.metres_per_unit = *metres;
+    if (!stated.empty() && metres_in(stated) != metres) {
+      facts.notes.push_back(
+          fmt::format("states heights in \"{}\", not in {} as --vertical-unit says", stated, options.vertical_unit));
+    }
+    return;
+  }
+  const std::optional<StatedUnit> of_crs = unit_of_crs(facts.crs_wkt);
+  if (!stated.empty()) {
+    facts.vertical_unit = stated;
+    facts.metres_per_unit = known_unit(stated, facts.name);
+    if (of_crs && std::abs(of_crs->metres / facts.metres_per_unit - 1) > 1e-9) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} states heights in \"{}\", its coordinate system in \"{}\"; --vertical-unit decides",
+                                facts.name, stated, of_crs->name));
+    }
+    return;
+  }
+  facts.vertical_unit = "metre";
+  if (!of_crs) {
+    facts.notes.push_back("states no vertical unit, metres were taken; --vertical-unit gives another");
+  } else if (of_crs->metres != 1) {
+    facts.vertical_unit = of_crs->name;
+    const std::optional<double> known = metres_in(of_crs->name);  // to the last bit
+    facts.metres_per_unit = known && std::abs(*known / of_crs->metres - 1) < 1e-9 ? *known : of_crs->metres;
+  }
+}
+
+double scale_or_offset(double value, bool is_scale, const std::string& name) {
+  if (std::isfinite(value) && (!is_scale || value != 0)) return value;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} has a band {} of {}; it must be a finite number{}", name, is_scale ? "scale" : "offset",
+                            value, is_scale ? " other than 0" : ""));
+}
+
+void take_voids(GDALRasterBandH band, RasterFacts& facts) {
+  // A mask besides what the nodata value already says.
+  const int flags = GDALGetMaskFlags(band);
+  facts.masked = (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
+  int declared = 0;
+  const double value = GDALGetRasterNoDataValue(band, &declared);
+  if (facts.masked) facts.void_text = (flags & GMF_ALPHA) != 0 ? "alpha" : "mask";
+  if (declared == 0) return;
+  if (!facts.masked) facts.void_text = fmt::format("{}", value);
+  bool held = true;
+  if (const std::optional<Range> range = range_of(facts.type)) {
+    held = value >= range->low && value <= range->high && value == std::nearbyint(value);
+    if (held) facts.nodata = value;
+  } else if (std::isnan(value) || facts.type == GDT_Float64 || std::isinf(value)) {
+    if (!std::isnan(value)) facts.nodata = value;
+  } else {
+    held = std::abs(value) <= double{std::numeric_limits<float>::max()} * (1 + 1e-7);
+    if (held) facts.nodata = static_cast<double>(static_cast<float>(value));
+  }
+  if (!held) {
+    facts.notes.push_back(fmt::format("the void value {} is none that {} can hold: nothing is void by it", value,
+                                      GDALGetDataTypeName(facts.type)));
+  }
+}
+
+void take_file(RasterFacts& facts) {
+  struct stat about {};
+  if (stat(facts.file.c_str(), &about) != 0) {
+    throw Failure(Cause::io, fmt::format("cannot look at {}", facts.name));
+  }
+  facts.bytes = static_cast<std::uint64_t>(about.st_size);
+  facts.modified_ns = std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec;
+}
+
+}  // namespace
+
+DatasetOwner open_dataset(const RasterFacts& facts) {
+  GdalScope gdal;
+  const std::array<const char*, 2> only{facts.driver.c_str(), nullptr};
+  DatasetOwner dataset{
+      GDALOpenEx(facts.file.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr)};
+  if (!dataset) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("cannot open {} as {}{}", facts.name, facts.driver, gdal.reason()));
+  }
+  return dataset;
+}
+
+RasterFacts look_at(const fs::path& file, const InputOptions& options) {
+  const AdmittedRaster admitted = admit_raster(file, options.allow_drivers);
+  RasterFacts facts;
+  facts.file = admitted.file;
+  facts.name = file.string();
+  facts.driver = admitted.driver;
+  take_file(facts);
+  GdalScope gdal;
+  const DatasetOwner owner = open_dataset(facts);
+  GDALDatasetH dataset = owner.get();
+  const int bands = GDALGetRasterCount(dataset);
+  if (bands < 1) {
+    throw Failure(Cause::invalid_argument, fmt::format("{} has no band to take heights from", facts.name));
+  }
+  GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
+  take_type(band, facts);
+  take_size(dataset, facts);
+  take_placement(dataset, facts);
+  take_crs(dataset, options, facts);
+  take_unit(band, options, facts);
+  facts.scale = scale_or_offset(GDALGetRasterScale(band, nullptr), true, facts.name);
+  facts.offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, facts.name);
+  take_voids(band, facts);
+  const bool second_is_alpha =
+      bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset, 2)) == GCI_AlphaBand;
+  if (bands > 1 && !second_is_alpha) facts.notes.push_back(fmt::format("has {} bands; the first was taken", bands));
+  return facts;
+}
+
+void require_distinct(const GridMapping& m, GridRect extent, const std::string& name) {
+  bool distinct = m.dx > 0 && m.dy < 0;
+  for (const GridPoint p : {extent.first, extent.last}) {
+    const double x = m.x(p.col), y = m.y(p.row);
+    distinct = distinct && std::isfinite(x) && std::isfinite(y) && x + m.dx != x && y + m.dy != y;
+  }
+  if (!distinct) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has cells of {} x {} at {}, {}: too small for doubles to tell apart", name, m.dx,
+                              -m.dy, m.x0, m.y0));
+  }
+}
+
+void require_own_grid(const RasterFacts& facts) {
+  if (facts.is_rotated) {
+    const std::array<double, 6>& t = facts.geotransform;
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}); --t-srs, --tr or "
+                              "gdalwarp make it north-up",
+                              facts.name, t[0], t[1], t[2], t[3], t[4], t[5]));
+  }
+  require_distinct(facts.mapping, {{0, 0}, {facts.cols - 1, facts.rows - 1}}, facts.name);
+}
+
+}  // namespace talus

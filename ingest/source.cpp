@@ -1,0 +1,477 @@
+#include "ingest/source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include <cpl_string.h>
+#include <fmt/format.h>
+
+#include "ingest/gdal_scope.hpp"
+#include "ingest/input_list.hpp"
+#include "ingest/open_rasters.hpp"
+#include "ingest/placement.hpp"
+#include "ingest/raster_facts.hpp"
+#include "ingest/raster_source.hpp"
+#include "storage/checksum.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- rectangles --------------------------------------------------------------------------------------
+
+bool meet(GridRect a, GridRect b) {
+  return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row &&
+         b.first.row <= a.last.row;
+}
+
+GridRect common(GridRect a, GridRect b) {
+  return {{std::max(a.first.col, b.first.col), std::max(a.first.row, b.first.row)},
+          {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
+}
+
+/// Adds to `pieces`, which do not overlap, what `rect` has beyond them.
+void add_piece(std::vector<GridRect>& pieces, GridRect rect, std::size_t from = 0) {
+  for (std::size_t i = from; i < pieces.size(); ++i) {
+    const GridRect p = pieces[i];
+    if (!meet(p, rect)) continue;
+    const GridRect c = common(p, rect);
+    if (rect.first.row < c.first.row) add_piece(pieces, {rect.first, {rect.last.col, c.first.row - 1}}, i + 1);
+    if (rect.last.row > c.last.row) add_piece(pieces, {{rect.first.col, c.last.row + 1}, rect.last}, i + 1);
+    if (rect.first.col < c.first.col) {
+      add_piece(pieces, {{rect.first.col, c.first.row}, {c.first.col - 1, c.last.row}}, i + 1);
+    }
+    if (rect.last.col > c.last.col) {
+      add_piece(pieces, {{c.last.col + 1, c.first.row}, {rect.last.col, c.last.row}}, i + 1);
+    }
+    return;
+  }
+  pieces.push_back(rect);
+}
+
+// ---- types and steps ---------------------------------------------------------------------------------
+
+enum class Width { int16, float32, float64 };
+
+Width width_of(GDALDataType type) {
+  switch (type) {
+    case GDT_Byte:
+    case GDT_Int16: return Width::int16;
+    case GDT_UInt16:
+    case GDT_Float32: return Width::float32;
+    default: return Width::float64;
+  }
+}
+
+const char* name_of(Width width) {
+  return width == Width::int16 ? "Int16" : width == Width::float32 ? "Float32" : "Float64";
+}
+
+struct Types {
+  Width width = Width::int16;
+  Coding::Rule rule = Coding::Rule::raw;
+  HeightStep step;
+  std::string source_type;
+};
+
+HeightStep forced_step(double metres, double metres_per_unit) {
+  if (!std::isfinite(metres) || metres < 1e-6 || metres > kLargestHeight) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--height-step {}: expected metres from 0.000001 to {}", metres, kLargestHeight));
+  }
+  const double units = metres / metres_per_unit, parts = std::round(1 / units);
+  // 0.1 is a tenth: the code is divided by ten, so that heights are the doubles nearest to their decimals.
+  if (units < 1 && std::abs(units * parts - 1) < 1e-12) return {1, parts, 0, true};
+  return {units, 1, 0, true};
+}
+
+bool has_step(const RasterFacts& raster, const HeightStep& step) {
+  return raster.is_integer() && step == HeightStep{raster.scale, 1, raster.offset, true};
+}
+
+bool is_bare(const RasterFacts& raster) { return raster.scale == 1 && raster.offset == 0; }
+
+Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& options) {
+  Types types;
+  const RasterFacts& first = rasters.front();
+  std::set<std::string> names;
+  for (const RasterFacts& raster : rasters) {
+    types.width = std::max(types.width, width_of(raster.read_type()));
+    names.insert(GDALGetDataTypeName(raster.read_type()));
+  }
+  const std::optional<HeightStep> wanted = options.grid ? options.grid->step : std::nullopt;
+  const HeightStep of_first{first.scale, 1, first.offset, true};
+  const auto all_have = [&](const HeightStep& step) {
+    return std::all_of(rasters.begin(), rasters.end(), [&](const RasterFacts& r) { return has_step(r, step); });
+  };
+  if (options.height_step != 0) {
+    types.rule = Coding::Rule::rounded;
+    types.step = forced_step(options.height_step, first.metres_per_unit);
+    const bool all_bare = std::all_of(rasters.begin(), rasters.end(), is_bare);
+    if (options.height_step < 1 || !all_bare) types.width = std::max(types.width, Width::float32);
+    if (!all_bare || kLargestHeight / options.height_step > double{1 << 24}) types.width = Width::float64;
+  } else if (wanted ? wanted->integer && all_have(*wanted) : all_have(of_first)) {
+    types.step = wanted.value_or(of_first);
+  } else {
+    types.step = {1, 1, 0, false};
+    types.rule = Coding::Rule::value;
+    if (std::all_of(rasters.begin(), rasters.end(), is_bare)) {
+      types.rule = Coding::Rule::raw;
+      types.width = std::max(types.width, Width::float32);
+    } else {
+      types.width = Width::float64;
+    }
+  }
+  if (wanted && !(types.step == *wanted)) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("the database keeps heights in {}, which do not hold those of the inputs; ingest "
+                              "everything into a new one",
+                              wanted->integer ? "whole steps" : "the source's own numbers"));
+  }
+  types.source_type = names.size() == 1 ? *names.begin() : name_of(types.width);
+  return types;
+}
+
+Codes codes_of(Width width, std::size_t samples) {
+  if (width == Width::int16) return std::vector<std::int16_t>(samples);
+  if (width == Width::float32) return std::vector<float>(samples);
+  return std::vector<double>(samples);
+}
+
+// ---- what is said of inputs --------------------------------------------------------------------------
+
+std::string name_of(const std::vector<RasterFacts>& rasters) {
+  const std::string first = fs::path(rasters.front().name).filename().string();
+  return rasters.size() == 1 ? first : fmt::format("{} and {} more", first, rasters.size() - 1);
+}
+
+/// One sentence a kind of note, however many inputs it is about.
+void gather_notes(const std::vector<RasterFacts>& rasters, std::vector<std::string>& notes) {
+  std::vector<std::pair<std::string, std::vector<const RasterFacts*>>> kinds;
+  std::map<std::string, std::size_t> kind_of;
+  for (const RasterFacts& raster : rasters) {
+    for (const std::string& note : raster.notes) {
+      const auto [kind, is_new] = kind_of.try_emplace(note, kinds.size());
+      if (is_new) kinds.push_back({note, {}});
+      kinds[kind->second].second.push_back(&raster);
+    }
+  }
+  for (const auto& [note, whose] : kinds) {
+    notes.push_back(fmt::format("{}{}: {}", whose.front()->name,
+                                whose.size() == 1 ? "" : fmt::format(" and {} more", whose.size() - 1), note));
+  }
+  std::map<std::string, std::size_t> voids;
+  for (const RasterFacts& raster : rasters) ++voids[raster.void_text.empty() ? "nothing" : raster.void_text];
+  if (voids.size() < 2) return;
+  std::string text;
+  for (const auto& [value, count] : voids) {
+    text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", value, count == 1 ? "one" : std::to_string(count));
+  }
+  notes.push_back("inputs mark voids differently, each by its own: " + text);
+}
+
+InputFile as_input(const RasterFacts& raster) {
+  InputFile input;
+  input.name = fs::path(raster.name).filename().string();
+  input.driver = raster.driver;
+  input.type = GDALGetDataTypeName(raster.type);
+  input.cols = raster.cols;
+  input.rows = raster.rows;
+  input.bytes = raster.bytes;
+  input.modified_ns = raster.modified_ns;
+  input.void_value = raster.void_text;
+  input.is_resampled = raster.warp.has_value();
+  input.place = raster.place;
+  input.notes = raster.notes;
+  return input;
+}
+
+/// Samples of a target cell that one of the raster takes: below 1 where it is finer than the grid.
+double cell_area(const RasterFacts& raster) {
+  return static_cast<double>(raster.place.samples()) / raster.cols / raster.rows;
+}
+
+/// The order in which inputs are laid down, the last on top.
+std::vector<std::size_t> order_of(const std::vector<RasterFacts>& rasters, bool finer_on_top) {
+  std::vector<std::size_t> order(rasters.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  constexpr double kAlike = 1e-3;  // beyond this much apart, cells have different sizes
+  const auto size_class = [&](std::size_t i) { return std::llround(std::log(cell_area(rasters[i])) / kAlike); };
+  if (finer_on_top) {
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return size_class(a) > size_class(b); });
+  }
+  return order;
+}
+
+/// Heights taken off the window before another raster is laid over them.
+template <class T>
+struct Kept {
+  GridRect region;
+  std::vector<T> codes;
+  std::vector<std::uint8_t> valid;  // empty: all
+};
+
+}  // namespace
+
+struct Source::Parts {
+  Description description;
+  Types types;
+  std::vector<RasterFacts> rasters;
+  std::vector<std::size_t> order;  // the last is on top
+  std::vector<InputFile> inputs;
+  std::vector<std::string> notes;
+  mutable std::optional<OpenRasters> open;
+
+  mutable std::uint64_t compared = 0, different = 0;
+  mutable double largest_m = 0;
+  mutable GridPoint at{};
+  mutable std::size_t covering = 0;
+
+  template <class T>
+  void lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const;
+  template <class T>
+  void restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own, std::size_t layer) const;
+  void note_difference(GridPoint p, double metres, std::size_t layer) const;
+  [[nodiscard]] std::optional<double> height_at(std::size_t raster, GridPoint p) const;
+};
+
+namespace {
+
+std::size_t index_in(GridRect region, GridPoint p) {
+  return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +
+                                  (std::int64_t{p.col} - region.first.col));
+}
+
+void set_valid(Window& window, GridRect rect, const std::vector<std::uint8_t>& valid) {
+  if (valid.empty() && window.valid.empty()) return;
+  if (window.valid.empty()) window.valid.assign(static_cast<std::size_t>(window.region.samples()), 1);
+  const auto cols = static_cast<std::size_t>(rect.cols());
+  for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
+    const auto to = window.valid.begin() + static_cast<std::ptrdiff_t>(index_in(window.region, {rect.first.col, row}));
+    if (valid.empty()) {
+      std::fill_n(to, cols, std::uint8_t{1});
+    } else {
+      std::copy_n(valid.begin() + static_cast<std::ptrdiff_t>(index_in(rect, {rect.first.col, row})), cols, to);
+    }
+  }
+}
+
+template <class T>
+Kept<T> keep(const Window& window, const std::vector<T>& codes, GridRect rect) {
+  Kept<T> kept{rect, {}, {}};
+  kept.codes.reserve(static_cast<std::size_t>(rect.samples()));
+  for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
+    const auto from = static_cast<std::ptrdiff_t>(index_in(window.region, {rect.first.col, row}));
+    kept.codes.insert(kept.codes.end(), codes.begin() + from, codes.begin() + from + rect.cols());
+    if (window.valid.empty()) continue;
+    kept.valid.insert(kept.valid.end(), window.valid.begin() + from, window.valid.begin() + from + rect.cols());
+  }
+  return kept;
+}
+
+}  // namespace
+
+void Source::Parts::note_difference(GridPoint p, double metres, std::size_t layer) const {
+  ++different;
+  const bool earlier = p.row < at.row || (p.row == at.row && p.col < at.col);
+  if (metres < largest_m || (metres == largest_m && !earlier)) return;
+  largest_m = metres;
+  at = p;
+  covering = order[layer];
+}
+
+/// Where the raster just laid down is void the earlier height returns; where both are data they are compared.
+template <class T>
+void Source::Parts::restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own,
+                            std::size_t layer) const {
+  const HeightStep& step = types.step;
+  std::size_t i = 0;
+  for (std::int32_t row = kept.region.first.row; row <= kept.region.last.row; ++row) {
+    std::size_t to = index_in(window.region, {kept.region.first.col, row});
+    for (std::int32_t col = kept.region.first.col; col <= kept.region.last.col; ++col, ++i, ++to) {
+      if (!kept.valid.empty() && kept.valid[i] == 0) continue;
+      if (!window.valid.empty() && window.valid[to] == 0) {
+        codes[to] = kept.codes[i];
+        window.valid[to] = 1;
+      } else if (own.contains({col, row})) {
+        ++compared;
+        if (kept.codes[i] == codes[to]) continue;
+        const double difference = step.value(static_cast<double>(kept.codes[i])) - step.value(static_cast<double>(codes[to]));
+        note_difference({col, row}, std::abs(difference) * description.metres_per_unit, layer);
+      }
+    }
+  }
+}
+
+template <class T>
+void Source::Parts::lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const {
+  const std::size_t index = order[layer];
+  const GridRect rect = common(rasters[index].place, window.region);
+  std::vector<GridRect> overlaps;
+  for (std::size_t below = 0; below < layer; ++below) {
+    const GridRect other = rasters[order[below]].place;
+    if (meet(other, rect)) add_piece(overlaps, common(other, rect));
+  }
+  std::vector<Kept<T>> kept;
+  for (const GridRect& overlap : overlaps) kept.push_back(keep(window, codes, overlap));
+
+  const std::size_t at_first = index_in(window.region, rect.first);
+  const std::vector<std::uint8_t> valid =
+      open->get(index).read(rect, {types.rule, types.step}, codes.data() + at_first,
+                            static_cast<std::size_t>(window.region.cols()));
+  set_valid(window, rect, valid);
+  for (const Kept<T>& k : kept) restore(k, window, codes, own, layer);
+}
+
+Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options) : parts_(std::make_unique<Parts>()) {
+  InputList list = list_inputs(inputs, options.allow_drivers);
+  Parts& parts = *parts_;
+  parts.notes = std::move(list.notes);
+  for (const fs::path& file : list.files) parts.rasters.push_back(look_at(file, options));
+
+  const Placement placement = place_on_one_grid(parts.rasters, options);
+  parts.types = types_of(parts.rasters, options);
+  parts.order = order_of(parts.rasters, options.priority_resolution);
+  parts.open.emplace(parts.rasters);
+  gather_notes(parts.rasters, parts.notes);
+  parts.notes.insert(parts.notes.end(), placement.notes.begin(), placement.notes.end());
+  for (const RasterFacts& raster : parts.rasters) parts.inputs.push_back(as_input(raster));
+
+  Description& d = parts.description;
+  d.extent = placement.extent;
+  d.mapping = placement.mapping;
+  d.crs_wkt = placement.crs_wkt;
+  d.source_name = name_of(parts.rasters);
+  d.source_type = parts.types.source_type;
+  d.vertical_unit = parts.rasters.front().vertical_unit;
+  d.metres_per_unit = parts.rasters.front().metres_per_unit;
+  d.step = parts.types.step;
+}
+
+Source::~Source() = default;
+Source::Source(Source&&) noexcept = default;
+Source& Source::operator=(Source&&) noexcept = default;
+
+const Description& Source::description() const { return parts_->description; }
+const std::vector<InputFile>& Source::inputs() const { return parts_->inputs; }
+const std::vector<std::string>& Source::notes() const { return parts_->notes; }
+
+Window Source::read(GridRect part, GridRect own) const {
+  const GridRect& extent = parts_->description.extent;
+  if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("columns {} to {}, rows {} to {} are not a part of {}, which has columns {} to {}, rows {} to {}",
+                    part.first.col, part.last.col, part.first.row, part.last.row, parts_->description.source_name,
+                    extent.first.col, extent.last.col, extent.first.row, extent.last.row));
+  }
+  const auto samples = static_cast<std::size_t>(part.samples());
+  Window window{part, codes_of(parts_->types.width, samples), {}};
+  std::vector<GridRect> covered;
+  for (const RasterFacts& raster : parts_->rasters) {
+    if (meet(raster.place, part)) add_piece(covered, common(raster.place, part));
+  }
+  std::int64_t area = 0;
+  for (const GridRect& piece : covered) area += piece.samples();
+  if (area < part.samples()) window.valid.assign(samples, 0);
+
+  for (std::size_t layer = 0; layer < parts_->order.size(); ++layer) {
+    if (!meet(parts_->rasters[parts_->order[layer]].place, part)) continue;
+    std::visit([&](auto& codes) { parts_->lay(layer, window, codes, own); }, window.codes);
+  }
+  const auto is_data = [](std::uint8_t v) { return v != 0; };
+  if (std::all_of(window.valid.begin(), window.valid.end(), is_data)) window.valid.clear();
+  return window;
+}
+
+bool Source::touches(GridRect part) const {
+  return std::any_of(parts_->rasters.begin(), parts_->rasters.end(),
+                     [&](const RasterFacts& raster) { return meet(raster.place, part); });
+}
+
+std::optional<double> Source::Parts::height_at(std::size_t raster, GridPoint p) const {
+  if (!rasters[raster].place.contains(p)) return std::nullopt;
+  Codes codes = codes_of(types.width, 1);
+  return std::visit(
+      [&](auto& one) -> std::optional<double> {
+        const auto valid = open->get(raster).read({p, p}, {types.rule, types.step}, one.data(), 1);
+        if (!valid.empty()) return std::nullopt;
+        return types.step.value(static_cast<double>(one.front()));
+      },
+      codes);
+}
+
+SeamReport Source::seams() const {
+  const Parts& parts = *parts_;
+  SeamReport report;
+  report.compared = parts.compared;
+  report.different = parts.different;
+  report.largest_m = parts.largest_m;
+  report.at = parts.at;
+  report.x = parts.description.mapping.x(report.at.col);
+  report.y = parts.description.mapping.y(report.at.row);
+  if (report.different == 0) return report;
+  report.covering = parts.inputs[parts.covering].name;
+  const auto layer = std::find(parts.order.begin(), parts.order.end(), parts.covering) - parts.order.begin();
+  for (std::ptrdiff_t below = layer - 1; below >= 0 && report.covered.empty(); --below) {
+    const std::size_t raster = parts.order[static_cast<std::size_t>(below)];
+    if (parts.height_at(raster, report.at)) report.covered = parts.inputs[raster].name;
+  }
+  return report;
+}
+
+std::uint64_t Source::checksum(std::size_t input) const {
+  const RasterFacts& raster = parts_->rasters.at(input);
+  std::vector<fs::path> files;
+  {
+    GdalScope gdal;
+    const DatasetOwner dataset = open_dataset(raster);
+    const CPLStringList list{GDALGetFileList(dataset.get())};
+    for (int i = 0; i < list.Count(); ++i) files.emplace_back(list[i]);
+  }
+  if (files.empty()) files.push_back(raster.file);
+  return checksum_of_files(files);
+}
+
+Grid grid_of(const Description& d) {
+  return {d.mapping, d.extent, d.crs_wkt, d.vertical_unit, d.metres_per_unit, d.step};
+}
+
+// ---- the public door -----------------------------------------------------------------------------
+
+struct Raster::Opened {
+  Source source;
+};
+
+Raster::Raster(const fs::path& input) : Raster(std::vector<fs::path>{input}, {}) {}
+Raster::Raster(const std::vector<fs::path>& inputs, const InputOptions& options)
+    : opened_(std::make_unique<Opened>(Opened{Source{inputs, options}})) {}
+Raster::~Raster() = default;
+Raster::Raster(Raster&&) noexcept = default;
+Raster& Raster::operator=(Raster&&) noexcept = default;
+
+const Description& Raster::description() const { return opened_->source.description(); }
+
+SampleWindow Raster::read(GridRect part) const {
+  Window window = opened_->source.read(part);
+  const HeightStep& step = description().step;
+  SampleWindow samples{window.region, {}, std::move(window.valid)};
+  std::visit(
+      [&](const auto& codes) {
+        samples.values.reserve(codes.size());
+        for (const auto code : codes) samples.values.push_back(step.value(static_cast<double>(code)));
+      },
+      window.codes);
+  if (samples.valid.empty()) samples.valid.assign(samples.values.size(), 1);
+  return samples;
+}
+
+}  // namespace talus
