@@ -28,6 +28,8 @@ void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const
   writer.commit(true);
 }
 
+bool holds_tiles(PageWriter& writer) { return writer.committed().summary(kRecordTable).pages > 0; }
+
 }  // namespace
 
 IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
@@ -48,11 +50,11 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   try {
     report = run(job, source, {{}, made_by(options), 0, {}}, *writer);
   } catch (const Failure& f) {
-    if (f.cause() == Cause::full) part.keep();
+    if (f.cause() == Cause::full && holds_tiles(*writer)) part.keep();
     throw;
   } catch (...) {  // interrupted: what is done is worth keeping
-    part.keep();
     writer->commit(true);
+    if (holds_tiles(*writer)) part.keep();
     throw;
   }
   writer.reset();

@@ -103,6 +103,8 @@ class PageWriter {
   void commit(bool now = false);
   /// What is in the file. Commits first.
   [[nodiscard]] ReadTxn view();
+  /// What was in the file at the last commit.
+  [[nodiscard]] ReadTxn committed();
   /// Everything on disk and sealed: a digest over every byte of the file, unused ones too, stands at its end. The
   /// file is whole and closed afterwards. Returns its size.
   std::uint64_t finish();

@@ -115,6 +115,10 @@ void PageWriter::commit(bool now) {
 
 ReadTxn PageWriter::view() {
   impl_->write_batch();
+  return committed();
+}
+
+ReadTxn PageWriter::committed() {
   impl_->environment->open_tables();
   return ReadTxn(PageStore(impl_->environment));
 }

@@ -114,6 +114,7 @@ void put_seal(const std::filesystem::path& path) {
 }
 
 void break_seal(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return;
   const File file(path, O_RDWR);
   if (seal_of(file)) file.cut(file.size() - kSealBytes);
 }

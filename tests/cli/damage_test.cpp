@@ -3,8 +3,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "storage/page_store.hpp"
 #include "talus/talus.hpp"
 #include "tests/cli/command.hpp"
+#include "tests/support/random.hpp"
 
 namespace talus::support {
 namespace {
@@ -184,29 +186,70 @@ TEST_F(Damage, IsSaidInASentenceAndAnExitCode) {
 
 // ---- cut short -------------------------------------------------------------------------------------
 
-TEST_F(Command, AnIngestThatIsKilledLeavesNoDatabase) {
-  raster = fit(fractal(1500, 1500, 6, 2000), SampleType::int16);
+/// Every page of a database with its bytes: two databases with the same are the same.
+std::map<PageKey, std::string> pages_of(const std::filesystem::path& database) {
+  std::map<PageKey, std::string> pages;
+  const ReadTxn txn(PageStore::open(database));
+  for (int table = 0; table <= kRecordTable; ++table) {
+    txn.for_each(table, [&](std::uint64_t position) {
+      const auto content = txn.find({table, position})->content;
+      pages[{table, position}] = {reinterpret_cast<const char*>(content.data()), content.size()};
+    });
+  }
+  return pages;
+}
+
+TEST_F(Command, AnIngestThatIsKilledAgainAndAgainEndsInTheSamePages) {
+  raster = fit(fractal(2300, 1500, 6, 2000), SampleType::int16);
+  for (int i = 0; i < 200; ++i) raster.valid[static_cast<std::size_t>(i * 7919 % (2300 * 1500))] = 0;
   make_raster("big.tif");
+  ASSERT_EQ(talus({"ingest", "big.tif", "undisturbed.talus"}).exit_code, done);
+  const auto undisturbed = pages_of(folder / "undisturbed.talus");
+  Random random(20);
   int killed = 0;
-  for (const int milliseconds : {20, 60, 120, 200, 300, 450, 700, 1000}) {
+  for (int i = 0; i < 20; ++i) {
     RunOptions options;
-    options.kill_after = std::chrono::milliseconds(milliseconds);
-    const Outcome outcome = talus({"ingest", "big.tif", "big.talus"}, options);
-    if (outcome.signal == 0) break;  // it was done before
+    options.kill_after = std::chrono::milliseconds(random.between(10, 400 + 60 * i));
+    const Outcome outcome = talus({"ingest", "big.tif", "big.talus", "--resume"}, options);
+    if (outcome.signal == 0) {
+      EXPECT_EQ(outcome.exit_code, done) << outcome.err;
+      EXPECT_TRUE(pages_of(folder / "big.talus") == undisturbed);
+      std::filesystem::remove(folder / "big.talus");
+      continue;
+    }
     ++killed;
-    EXPECT_FALSE(std::filesystem::exists(folder / "big.talus")) << "after " << milliseconds << " ms";
+    EXPECT_FALSE(std::filesystem::exists(folder / "big.talus"));
     for (const auto& [name, bytes] : contents()) {
-      EXPECT_TRUE(name == "big.tif" || name.starts_with("big.talus.part")) << name;
+      EXPECT_TRUE(name.ends_with(".tif") || name == "undisturbed.talus" || name.starts_with("big.talus.part")) << name;
     }
   }
   EXPECT_GT(killed, 0);
-  std::filesystem::remove(folder / "big.talus");
-  const Outcome outcome = talus({"ingest", "big.tif", "big.talus"});  // what was left is no obstacle
+  const Outcome outcome = talus({"ingest", "big.tif", "big.talus", "--resume"});
   EXPECT_EQ(outcome.exit_code, done) << outcome.err;
-  std::vector<std::string> names;
-  for (const auto& [name, bytes] : contents()) names.push_back(name);
-  EXPECT_EQ(names, (std::vector<std::string>{"big.talus", "big.tif"}));
+  EXPECT_TRUE(pages_of(folder / "big.talus") == undisturbed);
   EXPECT_EQ(talus({"verify", "big.talus", "--against", "big.tif"}).exit_code, done);
+}
+
+TEST_F(Command, AnInterruptedIngestIsNeitherLostNorMixedUpWithAnother) {
+  raster = fit(fractal(2300, 1500, 6, 2000), SampleType::int16);
+  make_raster("big.tif");
+  RunOptions options;
+  options.folder = folder.path().string();
+  const std::string start = std::string(TALUS_PROGRAM) +
+                            " ingest big.tif big.talus --threads 1 --progress=json 2>said & "
+                            "while ! grep -q 'samples.:[1-9]' said; do sleep 0.01; done; ";
+  const Outcome interrupted = run_program({"sh", "-c", start + "kill -INT $!; wait $!"}, options);
+  ASSERT_EQ(interrupted.exit_code, 130) << interrupted.err;
+  ASSERT_TRUE(std::filesystem::exists(folder / "big.talus.part"));
+  EXPECT_THAT(bytes_of(folder / "said"), ::testing::HasSubstr("--resume"));
+  std::filesystem::remove(folder / "said");
+  const auto before = contents();
+  expect_refusal(talus({"ingest", "big.tif", "big.talus"}), {usage}, {"big.talus.part", "--resume", "--overwrite"});
+  expect_refusal(talus({"ingest", "big.tif", "big.talus", "--resume", "--void-weight", "2"}), {usage},
+                 {"big.talus.part", "options"});
+  EXPECT_EQ(contents(), before);
+  EXPECT_EQ(talus({"ingest", "big.tif", "big.talus", "--overwrite"}).exit_code, done);
+  EXPECT_FALSE(std::filesystem::exists(folder / "big.talus.part"));
 }
 
 TEST_F(Command, AnIngestThatIsKilledKeepsTheOlderDatabase) {
@@ -221,7 +264,7 @@ TEST_F(Command, AnIngestThatIsKilledKeepsTheOlderDatabase) {
   EXPECT_TRUE(bytes_of(folder / "a.talus") == before);
 }
 
-TEST_F(Command, AnIngestThatIsInterruptedLeavesNothing) {
+TEST_F(Command, AnIngestThatIsInterruptedLeavesWorkOrNothing) {
   raster = fit(fractal(1500, 1500, 6, 2000), SampleType::int16);
   make_raster("big.tif");
   for (const std::string signal : {"TERM", "HUP"}) {
@@ -231,6 +274,8 @@ TEST_F(Command, AnIngestThatIsInterruptedLeavesNothing) {
         std::string(TALUS_PROGRAM) + " ingest big.tif big.talus & while ! [ -e big.talus.part ]; do sleep 0.01; done; ";
     const Outcome outcome = run_program({"sh", "-c", start + "kill -" + signal + " $!; wait $!"}, options);
     EXPECT_EQ(outcome.exit_code, 130) << signal << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "big.talus"));
+    std::filesystem::remove(folder / "big.talus.part");
     EXPECT_EQ(contents().size(), 1u) << signal;
   }
 }
@@ -251,14 +296,21 @@ class FullDisk : public Command {
   }
 };
 
-TEST_F(FullDisk, StopsAnIngestAndNothingIsLeft) {
-  raster = fit(noise(400, 400, 3, 0, 30000), SampleType::int16);
+TEST_F(FullDisk, StopsAnIngestThatIsGoneOnWithElsewhere) {
+  raster = fit(noise(6200, 2100, 3, 0, 30000), SampleType::int16);
   make_raster("a.tif");
-  const auto outcome = talus_in(200, "ingest a.tif small/a.talus");
+  const auto outcome =
+      talus_in(20000, "ingest a.tif small/a.talus --threads 1; code=$?; cp small/a.talus.part .; (exit $code)");
   if (!outcome) GTEST_SKIP() << "a small file system cannot be mounted here";
   EXPECT_EQ(outcome->exit_code, disk_full) << outcome->err;
-  EXPECT_EQ(outcome->out, "");
+  EXPECT_EQ(outcome->out, "a.talus.part\n");
   EXPECT_THAT(outcome->err, ::testing::HasSubstr("a.talus"));
+  ASSERT_TRUE(std::filesystem::exists(folder / "a.talus.part"));
+  const Outcome resumed = talus({"ingest", "a.tif", "a.talus", "--resume", "--json"});
+  EXPECT_EQ(resumed.exit_code, done) << resumed.err;
+  EXPECT_EQ(talus({"verify", "a.talus", "--against", "a.tif"}).exit_code, done);
+  ASSERT_EQ(talus({"ingest", "a.tif", "b.talus"}).exit_code, done);
+  EXPECT_TRUE(pages_of(folder / "a.talus") == pages_of(folder / "b.talus"));
 }
 
 TEST_F(FullDisk, StopsAnAnswerAndNothingIsLeft) {
