@@ -1,10 +1,9 @@
-// How fast are the pure parts: errors, saturation, selection, triangulation, the page codec?
+// How fast are the pure parts: errors, saturation, selection, triangulation? The page codec: bench_codec.
 
 #include <benchmark/benchmark.h>
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/page_codec.hpp"
 #include "engine/saturation.hpp"
 #include "engine/triangulation.hpp"
 
@@ -109,54 +108,6 @@ void BM_Triangulation(benchmark::State& state) {
   state.counters["vertices"] = static_cast<double>(q.vertices.size());
 }
 BENCHMARK(BM_Triangulation)->ArgName("tolerance_m")->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
-
-/// One finest page: what it takes to write and to read it.
-struct Encoded {
-  Encoded() {
-    const Ground& g = ground(1025);
-    auto errors = vertex_errors(g.input);
-    saturate(g.input, errors);
-    page.bands = band_count(g.extent);
-    page.id = {0, 1, 1};
-    page.grid = page_grid(page.id, g.extent);
-    page.implied_midpoints = true;
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        const GridPoint p = page.grid.at(col, row);
-        page.heights.push_back(g.input.field[p]);
-        page.errors.push_back(page.is_own(p) && !page.is_implied(p, col, row) ? errors[p] : ErrorCode{0});
-      }
-    }
-    extent = g.extent;
-    bytes = encode(page);
-  }
-  Page page;
-  GridRect extent;
-  std::vector<std::byte> bytes;
-};
-const Encoded& encoded() {
-  static const Encoded e;
-  return e;
-}
-
-void BM_PageEncode(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(encode(encoded().page).data());
-  samples_per_second(state, static_cast<double>(encoded().page.grid.size()));
-  state.counters["bits/sample"] =
-      8.0 * static_cast<double>(encoded().bytes.size()) / static_cast<double>(encoded().page.grid.size());
-}
-BENCHMARK(BM_PageEncode)->Unit(benchmark::kMicrosecond);
-
-void BM_PageDecode(benchmark::State& state) {
-  const Encoded& e = encoded();
-  PageDecoder decoder;
-  for (auto _ : state) {
-    const Page& page = decoder.decode(e.page.id, e.extent, e.page.bands, e.bytes);
-    benchmark::DoNotOptimize(page.heights.data());
-  }
-  samples_per_second(state, static_cast<double>(e.page.grid.size()));
-}
-BENCHMARK(BM_PageDecode)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace talus

@@ -124,8 +124,9 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
   IngestReport report;
   PageWriter writer(part.path());
   const double expected = static_cast<double>(pages_of_band(0, d.extent).size()) * 1.05 + 1;
+  PageEncoder encoder;
   pack({manifest, input_of_errors, errors, heights.valid}, [&](const Page& page) {
-    writer.put({page.id.band, curve_position(page.id)}, encode(page));
+    writer.put({page.id.band, curve_position(page.id)}, encoder.encode(page, input_of_errors.field.distance));
     ++report.pages;
     tell(0.65 + 0.34 * std::min(1.0, static_cast<double>(report.pages) / expected), "writing");
   });

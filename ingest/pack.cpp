@@ -69,7 +69,6 @@ class Packer {
       }
     }
     if (!covers_differ && page.valid.empty()) page.covers.clear();
-    imply_midpoints(page);
     return with_children(page, entry);
   }
 
@@ -83,17 +82,6 @@ class Packer {
         bits = static_cast<std::uint8_t>(bits | 1u << i);
     }
     return bits;
-  }
-
-  static void imply_midpoints(Page& page) {
-    if (page.id.band != 0 || !page.valid.empty() || !page.covers.empty() || page.grid.cols < 2 || page.grid.rows < 2)
-      return;
-    page.implied_midpoints = true;
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        if (page.is_implied(page.grid.at(col, row), col, row)) page.errors[page.index(col, row)] = 0;
-      }
-    }
   }
 
   [[nodiscard]] ChildEntry with_children(Page& page, ChildEntry entry) const {

@@ -18,7 +18,7 @@ StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
 
-const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost) const {
+std::span<const std::byte> StoredPages::find(PageId id, QueryCost& cost) const {
   const auto bytes = txn_.find({id.band, curve_position(id)});
   if (!bytes) {
     throw Failure(Cause::corrupt,
@@ -26,7 +26,15 @@ const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost) c
   }
   ++cost.pages_read;
   cost.bytes_read += bytes->size() + kChecksumBytes;
-  return decoder.decode(id, manifest_.description.extent, manifest_.bands, *bytes);
+  return *bytes;
+}
+
+const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost) const {
+  return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, find(id, cost));
+}
+
+const Page& StoredPages::get_heights(PageId id, PageDecoder& decoder, QueryCost& cost) const {
+  return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, find(id, cost));
 }
 
 }  // namespace talus

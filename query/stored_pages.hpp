@@ -25,8 +25,12 @@ class StoredPages {
   /// A page that must be there, until the decoder's next. Adds what it cost.
   /// fails  corrupt: missing or damaged
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost) const;
+  /// The same without its errors.
+  [[nodiscard]] const Page& get_heights(PageId id, PageDecoder& decoder, QueryCost& cost) const;
 
  private:
+  [[nodiscard]] std::span<const std::byte> find(PageId id, QueryCost& cost) const;
+
   ReadTxn txn_;
   std::filesystem::path file_;
   Manifest manifest_;

@@ -69,28 +69,9 @@ TEST(Pack, PagesCarryTheHeightsOfTheirSamplesAndTheErrorsOfTheirOwnVertices) {
           ASSERT_EQ(page.errors[i], 0) << name_of(p);
         } else if (spacing(p) >= packed.errors.root()) {
           ASSERT_EQ(page.errors[i], kAlwaysSelected);
-        } else if (page.is_implied(p, col, row)) {
-          const auto& field = packed.field.input.field;
-          ASSERT_EQ(error_code(page.implied_error(p, col, row, field.distance, field.exact)), packed.errors[p])
-              << name_of(p);
         } else {
           ASSERT_EQ(page.errors[i], packed.errors[p]) << name_of(p);
         }
-      }
-    }
-  }
-}
-
-TEST(Pack, ImpliedErrorsAreTheStoredOnesForFloatsToo) {
-  const Packed packed(fractal(150, 140, 3));
-  const auto& field = packed.field.input.field;
-  for (const Page& page : packed.pages) {
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        const GridPoint p = page.grid.at(col, row);
-        if (!page.is_own(p) || !page.is_implied(p, col, row)) continue;
-        ASSERT_EQ(error_code(page.implied_error(p, col, row, field.distance, field.exact)), packed.errors[p])
-            << name_of(p);
       }
     }
   }
@@ -123,7 +104,6 @@ void expect_entry_holds(const Packed& packed, PageId id, const ChildEntry& entry
     EXPECT_TRUE(entry.present);
   }
   if (entry.present) {
-    // Side midpoints inside a page may be implied: their parents' errors are at least theirs.
     EXPECT_EQ(entry.largest, largest) << id.x << " / " << id.y << " of band " << id.band;
   }
 }
@@ -171,13 +151,11 @@ TEST(Pack, VoidsAreMarkedAndPagesOfDataOnlyCarryNoMask) {
   const Page &with = *packed.find({0, 0, 0}), &without = *packed.find({0, 2, 0});
   EXPECT_FALSE(with.valid.empty());
   EXPECT_FALSE(with.covers.empty());
-  EXPECT_FALSE(with.implied_midpoints);
   EXPECT_EQ(with.valid[with.index(15, 15)], 0);
   EXPECT_EQ(with.valid[with.index(9, 15)], 1);
   EXPECT_EQ(with.covers[with.index(15, 15)], 0) << "no triangle around it holds data";
   EXPECT_TRUE(without.valid.empty());
   EXPECT_TRUE(without.covers.empty());
-  EXPECT_TRUE(without.implied_midpoints);
 }
 
 }  // namespace
