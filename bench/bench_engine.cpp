@@ -4,7 +4,6 @@
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/page_codec.hpp"
 #include "engine/saturation.hpp"
 #include "engine/tile.hpp"
 #include "engine/triangulation.hpp"
@@ -36,7 +35,9 @@ Codes codes(double step, double base) {
 Ground with_voids(Codes codes, double fraction, bool islands) {
   Ground ground(std::move(codes));
   std::uint64_t state = 1;
-  const auto unit = [&] { return static_cast<double>((state = state * 6364136223846793005u + 1) >> 33) / 2147483648.0; };
+  const auto unit = [&] {
+    return static_cast<double>((state = state * 6364136223846793005u + 1) >> 33) / 2147483648.0;
+  };
   ground.valid.assign(static_cast<std::size_t>(kWindow) * kWindow, islands ? 0 : 1);
   if (!islands) {
     for (auto& v : ground.valid) v = unit() >= fraction;
@@ -154,52 +155,6 @@ void BM_Triangulation(benchmark::State& state) {
   state.counters["vertices"] = static_cast<double>(q.vertices.size());
 }
 BENCHMARK(BM_Triangulation)->ArgName("tolerance_m")->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
-
-/// One finest page: what it takes to write and to read it.
-struct Encoded {
-  Encoded() {
-    const Settled& ground = settled();
-    extent = ground.extent;
-    page.bands = band_count(extent);
-    page.id = {0, 9, 9};
-    page.grid = page_grid(page.id, extent);
-    page.implied_midpoints = true;
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        const GridPoint p = page.grid.at(col, row);
-        page.heights.push_back(ground.height(p));
-        page.errors.push_back(page.is_own(p) && !page.is_implied(p, col, row) ? ground.tile.errors[p] : ErrorCode{0});
-      }
-    }
-    bytes = encode(page);
-  }
-  Page page;
-  GridRect extent;
-  std::vector<std::byte> bytes;
-};
-const Encoded& encoded() {
-  static const Encoded e;
-  return e;
-}
-
-void BM_PageEncode(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(encode(encoded().page).data());
-  samples_per_second(state, static_cast<double>(encoded().page.grid.size()));
-  state.counters["bits/sample"] =
-      8.0 * static_cast<double>(encoded().bytes.size()) / static_cast<double>(encoded().page.grid.size());
-}
-BENCHMARK(BM_PageEncode)->Unit(benchmark::kMicrosecond);
-
-void BM_PageDecode(benchmark::State& state) {
-  const Encoded& e = encoded();
-  PageDecoder decoder;
-  for (auto _ : state) {
-    const Page& page = decoder.decode(e.page.id, e.extent, e.page.bands, e.bytes);
-    benchmark::DoNotOptimize(page.heights.data());
-  }
-  samples_per_second(state, static_cast<double>(e.page.grid.size()));
-}
-BENCHMARK(BM_PageDecode)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace talus

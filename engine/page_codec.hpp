@@ -1,7 +1,9 @@
 #pragma once
-// One page in memory, and the bytes it becomes. docs/format/v1.md has the bytes.
+// One page in memory, and the bytes it becomes. docs/format has the bytes; page_heights, page_errors, page_voids and
+// number_coder are its parts.
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -17,22 +19,25 @@ struct ChildEntry {
   bool present = false;           ///< it is stored; one that holds voids only is not
   ErrorCode largest = 0;          ///< saturated error of any vertex in it or in pages below it
   float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; +inf and -inf: voids only
-  std::uint32_t generation = 0;   ///< the update that wrote it, so that a stale page is noticed
+  std::uint32_t generation = 0;   ///< the update that wrote it last
   friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
 };
 
-/// What the page above both must know: the larger error, the wider range of heights.
+/// What the page above both must know: the larger error, the wider range of heights, the later generation.
 [[nodiscard]] ChildEntry joined(const ChildEntry& a, const ChildEntry& b);
 
 struct Page {
   PageId id;
   int bands = 1;  ///< of the database: the coarsest holds all vertices above it, too
   PageGrid grid;
-  std::vector<double> heights;    ///< height codes, row by row
-  std::vector<ErrorCode> errors;  ///< saturated; 0 for vertices of coarser bands
-  /// True in pages of data only of the finest band: the errors of side midpoints whose side lies in the
-  /// page are not stored, `errors` has 0, finest_error() of the heights gives them.
-  bool implied_midpoints = false;
+  std::vector<double> heights;  ///< height codes, row by row
+  /// Saturated; 0 for vertices of coarser bands. To be encoded: of all own vertices. Decoded: 0 where implied.
+  std::vector<ErrorCode> errors;
+  /// Of a decoded page: errors that follow from its heights (engine/page_errors.hpp), exact and on no ladder, as
+  /// distances in height codes; -1 elsewhere. One of the two, in eighths where heights are whole numbers, or neither:
+  /// then nothing is implied. A vertex is selected iff distance or code is above the tolerance's.
+  std::vector<std::int32_t> eighths;
+  std::vector<double> distances;
   std::vector<std::uint8_t> valid;   ///< 1 where the sample is data; empty: all are
   std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
   std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
@@ -41,24 +46,46 @@ struct Page {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
   }
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
-  [[nodiscard]] bool is_implied(GridPoint p, std::int32_t col, std::int32_t row) const {
-    if (!implied_midpoints || spacing(p) != 1 || is_centre(p)) return false;
-    return (p.col & 1) != 0 ? col > 0 && col + 1 < grid.cols : row > 0 && row + 1 < grid.rows;
+  /// Of a decoded page.
+  [[nodiscard]] bool is_implied(std::size_t i) const {
+    return eighths.empty() ? !distances.empty() && distances[i] >= 0 : eighths[i] >= 0;
   }
-  /// Residual ends of an implied midpoint are its neighbours along the odd coordinate.
-  [[nodiscard]] double implied_error(GridPoint p, std::int32_t col, std::int32_t row, const CodeDistance& distance,
-                                     bool exact) const;
+  /// In height codes, of an implied vertex.
+  [[nodiscard]] double implied_distance(std::size_t i) const {
+    return eighths.empty() ? distances[i] : eighths[i] / 8.0;
+  }
+  /// The code of any own vertex, stored or implied.
+  [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {
+    return is_implied(i) ? error_code(distance.metres(implied_distance(i))) : errors[i];
+  }
 };
 
 /// An entry with the range of a page's valid heights, and no error yet.
 [[nodiscard]] ChildEntry range_of(const Page& page, const HeightStep& step);
 
-/// Lossless: decode(encode(page)) is page, heights bit for bit, but for heights of voids that no triangle
-/// needs. Pure: the same page gives the same bytes anywhere.
-///
-/// cost    about 10 ns a sample
-/// source  residuals to the midpoint prediction, byte planes, zstd
-[[nodiscard]] std::vector<std::byte> encode(const Page& page);
+/// Writes pages one after the other with the same memory.
+class PageEncoder {
+ public:
+  PageEncoder();
+  ~PageEncoder();
+  PageEncoder(PageEncoder&&) noexcept;
+  PageEncoder& operator=(PageEncoder&&) noexcept;
+
+  /// Lossless: decode(encode(page)) is page, heights bit for bit, but for heights of voids that no triangle needs.
+  /// What `errors` of a page says is never changed: an error is implied only if what follows from the heights is
+  /// that very code. Pure: the same page gives the same bytes anywhere.
+  ///
+  /// distance  from height codes to metres, as in decode
+  /// cost      about 12 ns a sample
+  [[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+/// The same for a single page.
+[[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance);
 
 /// Reads pages one after the other into the same memory.
 class PageDecoder {
@@ -69,12 +96,18 @@ class PageDecoder {
   PageDecoder& operator=(PageDecoder&&) noexcept;
 
   /// The page, until the next call.
+  ///
   /// fails  corrupt: anything the bytes of a page of this id and extent cannot be. Memory never exceeds
   ///        what a page of kPageSide² samples takes, whatever the bytes say.
-  [[nodiscard]] const Page& decode(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
+  /// cost   about 4 ns a sample
+  [[nodiscard]] const Page& decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                   std::span<const std::byte> bytes);
+  /// Without the errors, which stay empty, and unchecked.
+  [[nodiscard]] const Page& decode_heights(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
 
  private:
   struct Scratch;
+  void decode_up_to_errors(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
   std::unique_ptr<Scratch> scratch_;
 };
 

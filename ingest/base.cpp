@@ -45,7 +45,7 @@ void Base::fill(Window& window) const {
       const PageId id{0, x, y};
       const auto stored = txn_.find({0, curve_position(id)});
       if (!stored) continue;  // voids only
-      const Page& page = decoder.decode(id, extent, manifest_.bands, stored->content);
+      const Page& page = decoder.decode_heights(id, extent, manifest_.bands, stored->content);
       for (std::int32_t row = 0; row < page.grid.rows; ++row) {
         for (std::int32_t col = 0; col < page.grid.cols; ++col) {
           const GridPoint p = page.grid.at(col, row);

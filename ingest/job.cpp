@@ -173,7 +173,7 @@ Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, s
     const PageKey key{id.band, curve_position(id)};
     const auto stored = view.find(key);
     if (!stored) return nullptr;
-    const Page& page = decoder.decode(id, job.description.extent, job.making.bands, stored->content);
+    const Page& page = decoder.decode_heights(id, job.description.extent, job.making.bands, stored->content);
     view.forget(key);
     return &page;
   };
@@ -229,8 +229,9 @@ Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow 
   Job job{options, description, std::move(read), {}, {}, ground_scale(description), {}, {}};
   const Description& d = job.description;
   job.is_stale = [](TileId) { return false; };
-  job.making = {d.extent, d.step, band_count(d.extent), [](PageKey, std::span<const std::byte>) { return 0u; }};
   job.distance = CodeDistance(d.step, d.metres_per_unit);
+  job.making = {d.extent, d.step, job.distance, band_count(d.extent),
+                [](PageKey, std::span<const std::byte>) { return 0u; }};
   job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code);
   return job;
 }

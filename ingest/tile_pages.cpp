@@ -70,8 +70,8 @@ void with_children(Page& page, ChildEntry& entry, const Entries& below) {
   }
 }
 
-PageBytes bytes_of(const Page& page, ChildEntry& entry, const PageMaking& making) {
-  PageBytes made{{page.id.band, curve_position(page.id)}, encode(page), 0};
+PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, const PageMaking& making) {
+  PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance), 0};
   made.generation = making.generation(made.key, made.content);
   entry.generation = made.generation;
   return made;
@@ -132,7 +132,7 @@ class TilePacker {
       ChildEntry entry = finish(page);
       if (!entry.present) continue;
       histogram_.count(page, making_.bands);
-      made_.pages.push_back(bytes_of(page, entry, making_));
+      made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
       below.emplace(curve_position(id), entry);
     }
     if (made_.summary.valid_samples > 0) {
@@ -146,7 +146,7 @@ class TilePacker {
     entry.present = entry.present || !below.empty();
     if (entry.present) {
       histogram_.count(page, making_.bands);
-      made_.pages.push_back(bytes_of(page, entry, making_));
+      made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
     }
     made_.summary.entry = entry;
     made_.summary.errors = histogram_.above_rungs();
@@ -236,6 +236,7 @@ class TilePacker {
   GridRect window_;
   TilePages made_;
   Histogram histogram_;
+  PageEncoder encoder_;
 };
 
 }  // namespace
@@ -247,6 +248,7 @@ TilePages pack_tile(TileId id, const TileErrors& tile, std::span<const std::uint
 void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& making,
                  const std::function<void(PageBytes)>& take) {
   const bool voids = levels.has_voids();
+  PageEncoder encoder;
   for (int band = kFewestBands - 1; band < making.bands; ++band) {
     Entries above;
     for (const PageId id : pages_of_band(band, making.extent)) {
@@ -267,7 +269,7 @@ void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& 
       entry.present = entry.present || std::any_of(page.children.begin(), page.children.end(),
                                                    [](const ChildEntry& child) { return child.present; });
       if (!entry.present) continue;
-      take(bytes_of(page, entry, making));
+      take(bytes_of(encoder, page, entry, making));
       above.emplace(curve_position(id), entry);
     }
     entries = std::move(above);

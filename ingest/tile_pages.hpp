@@ -15,6 +15,7 @@ namespace talus {
 struct PageMaking {
   GridRect extent;
   HeightStep step;
+  CodeDistance distance;
   int bands = kFewestBands;
   /// The generation a page is stored with: that of the page it replaces if the bytes are the same.
   std::function<std::uint32_t(PageKey, std::span<const std::byte>)> generation;

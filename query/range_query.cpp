@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "engine/border.hpp"
-#include "engine/vertex_error.hpp"
 
 namespace talus {
 namespace {
@@ -17,17 +16,23 @@ namespace {
 /// More metres than doubles miss decimal heights by; part of the bound where a step is no binary fraction.
 constexpr double kDecimalRounding = 1e-9;
 
-/// The largest residual of a finest side midpoint that is still within a tolerance, in height codes; errors
-/// of such vertices are not stored but follow from heights.
-double largest_residual_within(double tolerance_m, const CodeDistance& distance, double margin_m) {
-  const auto within = [&](double residual) { return distance.metres(residual) + margin_m <= tolerance_m; };
-  if (!within(0)) return -1;
+/// The largest distance in height codes that is still within a tolerance; -1 if none is.
+double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
+  const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
   double low = 0, high = std::numeric_limits<double>::max();
+  if (!within(0)) return -1;
   if (within(high)) return high;
   for (double middle = 1;; middle = low + (high - low) / 2) {
     if (middle <= low || middle >= high) return low;
     (within(middle) ? low : high) = middle;
   }
+}
+
+/// The same in eighths of a code.
+std::int32_t largest_eighths_within(double largest_distance) {
+  if (largest_distance < 0) return -1;
+  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+  return largest_distance < kMost / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMost;
 }
 
 class RangeQuery {
@@ -36,10 +41,12 @@ class RangeQuery {
       : pages_(pages),
         manifest_(pages.manifest()),
         region_(region),
-        tolerance_(tolerance.value),
-        threshold_(largest_code_within(tolerance.value)),
-        margin_m_(0),
-        largest_residual_(largest_residual_within(tolerance.value, pages.distance(), margin_m_)),
+        asked_(tolerance.value),
+        lossy_(manifest_.description.lossy_metres),
+        tolerance_(std::max(0.0, tolerance.value - lossy_)),
+        threshold_(largest_code_within(tolerance_)),
+        largest_distance_(largest_distance_within(tolerance_, pages.distance())),
+        largest_eighths_(largest_eighths_within(largest_distance_)),
         vertices_(region),
         cost_(pages.cost_of_header()) {}
 
@@ -100,53 +107,48 @@ class RangeQuery {
     const std::int32_t first_row = std::max(first_unit(region_.first.row) - grid.first.row, 0);
     const std::int32_t last_col = std::min((region_.last.col >> grid.shift) - grid.first.col, grid.cols - 1);
     const std::int32_t last_row = std::min((region_.last.row >> grid.shift) - grid.first.row, grid.rows - 1);
-    const bool coarsest = page.id.band == page.bands - 1, forced = is_forced(page.id);
-    const std::int32_t coarser = kChildrenAcross - 1;  // units with these bits clear belong to the band above
-
+    const bool forced = is_forced(page.id);
     for_next_page();
-    const auto decide = [&](std::int32_t col, std::int32_t row, std::size_t i, bool above) {
-      const GridPoint p = grid.at(col, row);
-      if (!above && !(forced && vertices_.contains(p))) return false;
-      vertices_.insert(p);
-      here_.at.push_back(p);
-      here_.heights.push_back(page.heights[i]);
-      if (!page.covers.empty()) here_.covers.push_back(page.covers[i]);
-      return true;
-    };
-    const auto stored = [&](std::int32_t col, std::int32_t row, std::size_t i) {
-      if (!decide(col, row, i, page.errors[i] > threshold_))
-        largest_absent_ = std::max(largest_absent_, page.errors[i]);
-    };
-    for (std::int32_t row = first_row; row <= last_row; ++row) {
-      const bool row_coarser = ((row + grid.first.row) & coarser) == 0 && !coarsest;
-      const std::size_t line = page.index(0, row);
-      if (!page.implied_midpoints) {
+    // Of every sample: is its distance above the tolerance, or its code? Samples that are no vertices of this band
+    // have neither.
+    const auto look = [&](auto&& distance_of, auto largest_within) {
+      auto largest_absent = largest_within;
+      largest_absent = -1;
+      for (std::int32_t row = first_row; row <= last_row; ++row) {
         for (std::int32_t col = first_col; col <= last_col; ++col) {
-          if (!row_coarser || ((col + grid.first.col) & coarser) != 0)
-            stored(col, row, line + static_cast<std::size_t>(col));
-        }
-        continue;
-      }
-      // Every other sample of a row is a side midpoint: along the row on even rows, across it on odd ones.
-      const bool row_odd = ((row + grid.first.row) & 1) != 0;
-      const std::size_t step = row_odd ? static_cast<std::size_t>(grid.cols) : 1;
-      const bool across_inside = row > 0 && row + 1 < grid.rows;
-      for (std::int32_t col = first_col; col <= last_col; ++col) {
-        const std::size_t i = line + static_cast<std::size_t>(col);
-        const bool col_odd = ((col + grid.first.col) & 1) != 0;
-        if (col_odd == row_odd || !(row_odd ? across_inside : col > 0 && col + 1 < grid.cols)) {
-          if (!row_coarser || ((col + grid.first.col) & coarser) != 0) stored(col, row, i);
-          continue;
-        }
-        const double a = page.heights[i - step], b = page.heights[i + step];
-        const double residual = std::abs(page.heights[i] - (a + b) / 2);
-        const bool above = residual > largest_residual_ && true;
-        if (!decide(col, row, i, above) && (residual > 0)) {
-          largest_absent_residual_ = std::max(largest_absent_residual_, residual);
+          const std::size_t i = page.index(col, row);
+          const ErrorCode code = page.errors[i];
+          const auto distance = distance_of(i);
+          const bool above = distance > largest_within || code > threshold_;
+          if (above || (forced && page.is_own(grid.at(col, row)) && vertices_.contains(grid.at(col, row)))) {
+            take(page, col, row);
+          } else {
+            largest_absent_ = std::max(largest_absent_, code);
+            largest_absent = std::max(largest_absent, distance);
+          }
         }
       }
+      return static_cast<double>(largest_absent);
+    };
+    double absent = -1;
+    if (!page.eighths.empty()) {
+      absent = look([&](std::size_t i) { return page.eighths[i]; }, largest_eighths_) / 8;
+    } else if (!page.distances.empty()) {
+      absent = look([&](std::size_t i) { return page.distances[i]; }, largest_distance_);
+    } else {
+      look([](std::size_t) { return -1; }, 0);
     }
+    largest_absent_distance_ = std::max(largest_absent_distance_, absent);
     found_.push_back(here_);
+  }
+
+  void take(const Page& page, std::int32_t col, std::int32_t row) {
+    const GridPoint p = page.grid.at(col, row);
+    const std::size_t i = page.index(col, row);
+    vertices_.insert(p);
+    here_.at.push_back(p);
+    here_.heights.push_back(page.heights[i]);
+    if (!page.covers.empty()) here_.covers.push_back(page.covers[i]);
   }
 
   void for_next_page() {
@@ -157,7 +159,7 @@ class RangeQuery {
 
   RestrictedQuadtree collect() {
     RestrictedQuadtree answer;
-    answer.tolerance = Metres{tolerance_};
+    answer.tolerance = Metres{asked_};
     answer.bound = Metres{bound()};
     std::size_t count = 0;
     bool all_covered = true;
@@ -194,26 +196,29 @@ class RangeQuery {
 
   [[nodiscard]] double bound() const {
     double metres = error_of(largest_absent_);
-    if (largest_absent_residual_ >= 0) {
-      metres = std::max(metres, std::min(tolerance_, pages_.distance().metres(largest_absent_residual_) + margin_m_));
+    if (largest_absent_distance_ >= 0) {
+      metres = std::max(metres, std::min(tolerance_, pages_.distance().metres(largest_absent_distance_)));
     }
     const bool heights_are_exact = pages_.distance().is_binary() && manifest_.description.step.offset == 0;
-    return metres + (heights_are_exact ? 0 : kDecimalRounding);
+    return metres + lossy_ + (heights_are_exact ? 0 : kDecimalRounding);
   }
 
   const StoredPages& pages_;
   const Manifest& manifest_;
   GridRect region_;
-  double tolerance_;
+  double asked_;
+  double lossy_;      ///< how far stored heights may lie from the source's
+  double tolerance_;  ///< what is left of the one asked for
   ErrorCode threshold_;
-  double margin_m_, largest_residual_;
+  double largest_distance_;
+  std::int32_t largest_eighths_;
   VertexMask vertices_;
   std::set<PageKeyPair> forced_pages_;
   std::vector<Found> found_;  // by page
   Found here_;
   PageDecoder decoder_;
   ErrorCode largest_absent_ = 0;
-  double largest_absent_residual_ = -1;
+  double largest_absent_distance_ = -1;
   QueryCost cost_;
 };
 
@@ -262,7 +267,7 @@ SampleWindow stored_samples(const StoredPages& pages, GridRect region) {
   PageDecoder decoder;
   // From the top down: only a page above tells one that is missing from one that holds voids.
   const auto visit = [&](auto&& self, PageId id, std::uint32_t generation) -> void {
-    const Page& page = pages.get(id, generation, decoder, unused);
+    const Page& page = pages.get_heights(id, generation, decoder, unused);
     const std::vector<ChildEntry> children = page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {
       const PageId child = child_page(id, i);

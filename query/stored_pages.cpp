@@ -18,18 +18,7 @@ StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
 
-const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
-  std::uint32_t found = 0;
-  const Page& page = get(id, decoder, cost, &found);
-  if (found != generation) {
-    throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, {} is expected",
-                              file_.string(), id.x, id.y, id.band, found, generation));
-  }
-  return page;
-}
-
-const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
+StoredPage StoredPages::find(PageId id, QueryCost& cost) const {
   const auto stored = txn_.find({id.band, curve_position(id)});
   if (!stored) {
     throw Failure(Cause::corrupt,
@@ -37,8 +26,33 @@ const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, s
   }
   ++cost.pages_read;
   cost.bytes_read += stored->content.size() + kPagePrefixBytes;
-  if (generation != nullptr) *generation = stored->generation;
-  return decoder.decode(id, manifest_.description.extent, manifest_.bands, stored->content);
+  return *stored;
+}
+
+void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage& page) const {
+  if (page.generation == generation) return;
+  throw Failure(Cause::corrupt,
+                fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, {} is expected",
+                            file_.string(), id.x, id.y, id.band, page.generation, generation));
+}
+
+const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
+  const StoredPage stored = find(id, cost);
+  require(id, generation, stored);
+  return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+}
+
+const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
+  const StoredPage stored = find(id, cost);
+  if (generation != nullptr) *generation = stored.generation;
+  return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+}
+
+const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
+                                     QueryCost& cost) const {
+  const StoredPage stored = find(id, cost);
+  require(id, generation, stored);
+  return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, stored.content);
 }
 
 }  // namespace talus

@@ -28,8 +28,14 @@ class StoredPages {
   [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
   /// The same of whatever generation: for those that come past the pages above it.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
+  /// A page without its errors.
+  [[nodiscard]] const Page& get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
+                                        QueryCost& cost) const;
 
  private:
+  [[nodiscard]] StoredPage find(PageId id, QueryCost& cost) const;
+  void require(PageId id, std::uint32_t generation, const StoredPage& page) const;
+
   ReadTxn txn_;
   std::filesystem::path file_;
   Manifest manifest_;

@@ -82,8 +82,8 @@ class Verification {
     ++report.pages;
     if (!overlap(page_square(id), extent_)) return find(fmt::format("{}: outside the extent", name(id)));
     QueryCost unused;
-    std::uint32_t generation = 0;
     try {
+      std::uint32_t generation = 0;
       ChildEntry entry = check(pages_.get(id, decoder_, unused, &generation));
       entry.generation = generation;
       entries.emplace(curve_position(id), entry);
@@ -100,7 +100,7 @@ class Verification {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
         const GridPoint p = page.grid.at(col, row);
         if (!page.is_own(p)) continue;
-        const ErrorCode own = error_in(page, p, col, row);
+        const ErrorCode own = page.error(page.index(col, row), pages_.distance());
         entry.largest = std::max(entry.largest, own);
         check_parents(page, p, own);
       }
@@ -126,12 +126,6 @@ class Verification {
     return entry;
   }
 
-  [[nodiscard]] ErrorCode error_in(const Page& page, GridPoint p, std::int32_t col, std::int32_t row) const {
-    if (page.is_implied(p, col, row))
-      return error_code(page.implied_error(p, col, row, pages_.distance(), true));
-    return page.errors[page.index(col, row)];
-  }
-
   /// Parents in the same page; those beyond it are held by the answer's true error.
   void check_parents(const Page& page, GridPoint p, ErrorCode own) {
     if (spacing(p) == kRootSpacing) return;
@@ -139,7 +133,7 @@ class Verification {
     for (const GridPoint parent : diamond(p).apexes) {
       const std::int32_t col = (parent.col >> g.shift) - g.first.col, row = (parent.row >> g.shift) - g.first.row;
       if (col < 0 || row < 0 || col >= g.cols || row >= g.rows || !page.is_own(parent)) continue;
-      const ErrorCode above = error_in(page, parent, col, row);
+      const ErrorCode above = page.error(page.index(col, row), pages_.distance());
       if (above < own) {
         find(fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex that depends on it",
                          name(page.id), error_of(above), parent.col, parent.row, error_of(own)));

@@ -9,8 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/saturation.hpp"
 #include "engine/vertex_error.hpp"
 #include "talus/failure.hpp"
+#include "tests/engine/fields.hpp"
 #include "tests/support/random.hpp"
 
 namespace talus::support {
@@ -21,7 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct PageKind {
   GridRect extent{{0, 0}, {127, 127}};
   PageId id{};
-  bool voids = false, implied = false;
+  bool voids = false;
 };
 
 /// A page with random errors, masks and tables over heights of height(random).
@@ -34,7 +36,6 @@ Page random_page(Random& random, const PageKind& kind, Height&& height) {
   const std::size_t n = page.grid.size();
   for (std::size_t i = 0; i < n; ++i) page.heights.push_back(height(random));
   page.errors.assign(n, 0);
-  page.implied_midpoints = kind.implied;
   if (kind.voids) {
     for (std::size_t i = 0; i < n; ++i) {
       page.valid.push_back(random.chance(0.5) ? 1 : 0);
@@ -44,7 +45,10 @@ Page random_page(Random& random, const PageKind& kind, Height&& height) {
   for (std::int32_t row = 0; row < page.grid.rows; ++row) {
     for (std::int32_t col = 0; col < page.grid.cols; ++col) {
       const GridPoint p = page.grid.at(col, row);
-      if (!page.is_own(p) || page.is_implied(p, col, row)) continue;
+      if (!page.is_own(p)) {
+        if (kind.voids) page.covers[page.index(col, row)] = 0;
+        continue;
+      }
       page.errors[page.index(col, row)] =
           static_cast<ErrorCode>(random.chance(0.1) ? kAlwaysSelected : random.between(0, kAlwaysSelected));
     }
@@ -54,7 +58,8 @@ Page random_page(Random& random, const PageKind& kind, Height&& height) {
       ChildEntry entry;
       if (random.chance(0.8)) {
         const auto low = static_cast<float>(random.within(-100, 100));
-        entry = {true, static_cast<ErrorCode>(random.between(0, kAlwaysSelected)), low, low + 5};
+        entry = {true, static_cast<ErrorCode>(random.between(0, kAlwaysSelected)), low, low + 5,
+                 static_cast<std::uint32_t>(random.chance(0.5) ? 7 : random.next())};
         if (random.chance(0.1)) entry.lowest = static_cast<float>(kInfinity), entry.highest = -entry.lowest;
       }
       page.children.push_back(entry);
@@ -63,15 +68,16 @@ Page random_page(Random& random, const PageKind& kind, Height&& height) {
   return page;
 }
 
-/// Bit for bit, but for heights of voids that no triangle needs.
+/// `b` is what came of `a`: bit for bit, but for heights of voids that no triangle needs.
 void expect_same(const Page& a, const Page& b) {
   EXPECT_EQ(a.id, b.id);
   EXPECT_EQ(a.bands, b.bands);
   EXPECT_EQ(a.grid.cols, b.grid.cols);
   EXPECT_EQ(a.grid.rows, b.grid.rows);
   EXPECT_EQ(a.grid.first, b.grid.first);
-  EXPECT_EQ(a.implied_midpoints, b.implied_midpoints);
-  EXPECT_EQ(a.errors, b.errors);
+  ASSERT_EQ(a.errors.size(), b.errors.size());
+  for (std::size_t i = 0; i < a.errors.size(); ++i)
+    ASSERT_EQ(a.errors[i], b.error(i, CodeDistance())) << "sample " << i;
   EXPECT_EQ(a.valid, b.valid);
   EXPECT_EQ(a.covers, b.covers);
   EXPECT_EQ(a.children, b.children);
@@ -85,9 +91,9 @@ void expect_same(const Page& a, const Page& b) {
 
 void expect_round_trip(const Page& page, GridRect extent) {
   PageDecoder decoder;
-  const auto bytes = encode(page);
+  const auto bytes = encode(page, CodeDistance());
   try {
-    expect_same(page, decoder.decode(page.id, extent, page.bands, bytes));
+    expect_same(page, decoder.decode(page.id, extent, page.bands, CodeDistance(), bytes));
   } catch (const Failure& failure) {
     ADD_FAILURE() << failure.what();
   }
@@ -95,7 +101,7 @@ void expect_round_trip(const Page& page, GridRect extent) {
 
 bool is_refused(PageDecoder& decoder, const Page& page, GridRect extent, std::span<const std::byte> bytes) {
   try {
-    static_cast<void>(decoder.decode(page.id, extent, page.bands, bytes));
+    static_cast<void>(decoder.decode(page.id, extent, page.bands, CodeDistance(), bytes));
     return false;
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.cause(), Cause::corrupt) << failure.what();
@@ -157,7 +163,6 @@ TEST(PageCodec, DecodeOfEncodeIsThePageForEveryShape) {
     if (pages.empty()) continue;  // a small extent far out may hold no sample of a coarse band
     kind.id = pages[static_cast<std::size_t>(random.between(0, static_cast<int>(pages.size()) - 1))];
     kind.voids = random.chance(0.4);
-    kind.implied = !kind.voids && kind.id.band == 0 && random.chance(0.6);
     expect_round_trip(random_page(random, kind, kHeights[static_cast<std::size_t>(random.between(0, 16))]),
                       kind.extent);
     if (HasFailure()) return;
@@ -183,11 +188,11 @@ TEST(PageCodec, ADecoderForgetsThePageBefore) {
   const GridRect extent{{0, 0}, {2000, 2000}};
   PageKind coarse{extent, {1, 0, 0}, true}, fine{extent, {0, 3, 3}, false};
   const Page one = random_page(random, coarse, smooth), two = random_page(random, fine, smooth);
-  const auto first = encode(one), second = encode(two);
+  const auto first = encode(one, CodeDistance()), second = encode(two, CodeDistance());
   PageDecoder decoder;
-  static_cast<void>(decoder.decode(one.id, extent, one.bands, first));
-  expect_same(two, decoder.decode(two.id, extent, two.bands, second));
-  expect_same(one, decoder.decode(one.id, extent, one.bands, first));
+  static_cast<void>(decoder.decode(one.id, extent, one.bands, CodeDistance(), first));
+  expect_same(two, decoder.decode(two.id, extent, two.bands, CodeDistance(), second));
+  expect_same(one, decoder.decode(one.id, extent, one.bands, CodeDistance(), first));
 }
 
 TEST(PageCodec, VoidsAmidRawDoublesOfBothSignsDoNotSpoilThePage) {
@@ -204,50 +209,21 @@ TEST(PageCodec, VoidsAmidRawDoublesOfBothSignsDoNotSpoilThePage) {
   }
 }
 
-TEST(PageCodec, SmoothWholeNumbersTakeUnderFiveBitsASample) {
+TEST(PageCodec, SmoothWholeNumbersTakeUnderTwoBitsASampleErrorsIncluded) {
+  const Field field(
+      surface(128, 128, [](int col, int row) { return std::nearbyint(200 * std::sin(col / 40.0) + row); }));
+  LevelGrid<ErrorCode> errors = vertex_errors(field.input);
+  saturate(field.input, errors);
   Random random(1);
-  PageKind kind;
-  kind.implied = true;
-  Page page = random_page(random, kind, smooth);
+  Page page = random_page(random, {}, smooth);
+  page.heights = field.heights;
   for (std::int32_t row = 0; row < 128; ++row) {
-    for (std::int32_t col = 0; col < 128; ++col)
-      page.heights[page.index(col, row)] = std::nearbyint(200 * std::sin(col / 40.0) + row);
+    for (std::int32_t col = 0; col < 128; ++col) {
+      const GridPoint p{col, row};
+      if (page.is_own(p)) page.errors[page.index(col, row)] = spacing(p) >= errors.root() ? kAlwaysSelected : errors[p];
+    }
   }
-  std::fill(page.errors.begin(), page.errors.end(), ErrorCode{0});
-  EXPECT_LT(encode(page).size() * 8, page.heights.size() * 5);
-}
-
-// ---- implied midpoints -----------------------------------------------------------------------------
-
-TEST(PageCodec, ImpliedErrorsAreThoseOfTheNeighboursAlongTheOddCoordinate) {
-  Page page;
-  page.id = {0, 0, 0};
-  page.grid = page_grid(page.id, {{0, 0}, {4, 4}});
-  page.implied_midpoints = true;
-  page.heights.resize(25);
-  page.heights[page.index(0, 2)] = 10;
-  page.heights[page.index(2, 2)] = 20;
-  page.heights[page.index(1, 2)] = 18;  // 3 above the mean of west and east
-  page.heights[page.index(2, 1)] = 4;   // 6 below the mean of north and south
-  EXPECT_TRUE(page.is_implied({1, 2}, 1, 2));
-  EXPECT_EQ(page.implied_error({1, 2}, 1, 2, CodeDistance(), true), 3);
-  EXPECT_TRUE(page.is_implied({2, 1}, 2, 1));
-  EXPECT_EQ(page.implied_error({2, 1}, 2, 1, CodeDistance(), true), 6);
-  EXPECT_FALSE(page.is_implied({1, 1}, 1, 1)) << "a centre";
-  EXPECT_FALSE(page.is_implied({2, 2}, 2, 2)) << "a coarser vertex";
-}
-
-TEST(PageCodec, MidpointsWhoseSideLeavesThePageAreStored) {
-  const GridRect extent{{0, 0}, {300, 300}};
-  Page page;
-  page.id = {0, 1, 1};
-  page.bands = band_count(extent);
-  page.grid = page_grid(page.id, extent);
-  page.implied_midpoints = true;
-  EXPECT_FALSE(page.is_implied({255, 130}, 127, 2)) << "its east end is the next page's";
-  EXPECT_TRUE(page.is_implied({253, 130}, 125, 2));
-  EXPECT_FALSE(page.is_implied({130, 255}, 2, 127));
-  EXPECT_TRUE(page.is_implied({130, 129}, 2, 1));
+  EXPECT_LT(encode(page, CodeDistance()).size() * 8, page.heights.size() * 2);
 }
 
 // ---- damage ----------------------------------------------------------------------------------------
@@ -255,15 +231,16 @@ TEST(PageCodec, MidpointsWhoseSideLeavesThePageAreStored) {
 std::vector<Page> sample_pages() {
   Random random(5);
   const GridRect extent{{0, 0}, {300, 260}};
-  return {random_page(random, {extent, {0, 0, 0}, false, true}, smooth),
-          random_page(random, {extent, {0, 2, 2}, true, false}, smooth),
-          random_page(random, {extent, {1, 0, 0}, true, false}, [](Random& r) { return r.within(-9, 9); })};
+  return {random_page(random, {extent, {0, 0, 0}, false}, smooth),
+          random_page(random, {extent, {0, 2, 2}, true}, smooth),
+          random_page(random, {extent, {1, 0, 0}, true}, [](Random& r) { return r.within(-9, 9); })};
 }
 constexpr GridRect kSampleExtent{{0, 0}, {300, 260}};
 
 TEST(PageCodec, EveryTruncationIsCorrupt) {
+  if (kPageSide != 128 || kBandLevels != 3) GTEST_SKIP() << "its numbers are those of 3 levels and 128² samples";
   for (const Page& page : sample_pages()) {
-    const auto bytes = encode(page);
+    const auto bytes = encode(page, CodeDistance());
     PageDecoder decoder;
     const std::size_t step = std::max<std::size_t>(bytes.size() / 600, 1);
     for (std::size_t size = 0; size < bytes.size(); size += size < 64 ? 1 : step) {
@@ -274,8 +251,9 @@ TEST(PageCodec, EveryTruncationIsCorrupt) {
 }
 
 TEST(PageCodec, BytesAfterThePageAreCorrupt) {
+  if (kPageSide != 128 || kBandLevels != 3) GTEST_SKIP() << "its numbers are those of 3 levels and 128² samples";
   for (const Page& page : sample_pages()) {
-    auto bytes = encode(page);
+    auto bytes = encode(page, CodeDistance());
     bytes.push_back(std::byte{0});
     PageDecoder decoder;
     EXPECT_TRUE(is_refused(decoder, page, kSampleExtent, bytes));
@@ -283,8 +261,9 @@ TEST(PageCodec, BytesAfterThePageAreCorrupt) {
 }
 
 TEST(PageCodec, EveryFlippedBitIsCorruptOrAPageWithinLimits) {
+  if (kPageSide != 128 || kBandLevels != 3) GTEST_SKIP() << "its numbers are those of 3 levels and 128² samples";
   for (const Page& page : sample_pages()) {
-    auto bytes = encode(page);
+    auto bytes = encode(page, CodeDistance());
     PageDecoder decoder;
     std::size_t refused = 0;
     const std::size_t bits = 8 * bytes.size(), step = std::max<std::size_t>(bits / 3000, 1) | 1;
@@ -293,8 +272,9 @@ TEST(PageCodec, EveryFlippedBitIsCorruptOrAPageWithinLimits) {
       if (is_refused(decoder, page, kSampleExtent, bytes)) {
         ++refused;
       } else {
-        const Page& got = decoder.decode(page.id, kSampleExtent, page.bands, bytes);
+        const Page& got = decoder.decode(page.id, kSampleExtent, page.bands, CodeDistance(), bytes);
         ASSERT_EQ(got.heights.size(), page.heights.size());
+        ASSERT_EQ(got.errors.size(), page.errors.size());
         for (const double h : got.heights) ASSERT_TRUE(std::isfinite(h));
         for (const ErrorCode e : got.errors) ASSERT_LE(e, kAlwaysSelected);
         for (const std::uint8_t c : got.covers) ASSERT_LE(c, 15);
@@ -307,46 +287,35 @@ TEST(PageCodec, EveryFlippedBitIsCorruptOrAPageWithinLimits) {
 }
 
 TEST(PageCodec, HeadersThatContradictThemselvesAreCorrupt) {
+  if (kPageSide != 128 || kBandLevels != 3) GTEST_SKIP() << "its numbers are those of 3 levels and 128² samples";
   const auto pages = sample_pages();
   const auto changed = [&](std::size_t which, std::size_t at, int value) {
-    auto bytes = encode(pages[which]);
+    auto bytes = encode(pages[which], CodeDistance());
     EXPECT_NE(bytes[at], static_cast<std::byte>(value)) << "no change at " << at;
     bytes[at] = static_cast<std::byte>(value);
     PageDecoder decoder;
     return is_refused(decoder, pages[which], kSampleExtent, bytes);
   };
-  EXPECT_TRUE(changed(0, 0, 2)) << "another version";
+  EXPECT_TRUE(changed(0, 0, 1)) << "another version";
   EXPECT_TRUE(changed(0, 1, 9)) << "no such coding";
   EXPECT_TRUE(changed(0, 2, 16)) << "no such flag";
   EXPECT_TRUE(changed(0, 2, 4 | 8)) << "pages below the finest";
-  EXPECT_TRUE(changed(1, 2, 1)) << "voids but no covers";
-  EXPECT_TRUE(changed(1, 2, 4 | 2)) << "implied midpoints amid voids";
+  EXPECT_TRUE(changed(1, 2, 4 | 1)) << "voids but no covers";
   EXPECT_TRUE(changed(2, 2, 3)) << "no table of pages below";
-  EXPECT_TRUE(changed(0, 3, 3)) << "no such width";
-  EXPECT_TRUE(changed(0, 3, 0)) << "no such width";
+  EXPECT_TRUE(changed(0, 3, 4)) << "no such kind of implied errors";
+  EXPECT_TRUE(changed(2, 3, 1)) << "implied errors in a coarse band";
   EXPECT_TRUE(changed(0, 4, 127)) << "another size";
-  EXPECT_TRUE(changed(0, 11, 0x7f)) << "a section longer than the page";
-}
-
-TEST(PageCodec, APlainSectionThatIsTooShortIsCorrupt) {
-  // One sample: every section is one byte, as it is. The last one loses it, and says so.
-  Random random(2);
-  PageKind kind;
-  kind.extent = {{0, 0}, {0, 0}};
-  const Page page = random_page(random, kind, smooth);
-  auto bytes = encode(page);
-  ASSERT_EQ(bytes[bytes.size() - 5], std::byte{1});
-  bytes[bytes.size() - 5] = std::byte{0};
-  bytes.pop_back();
-  PageDecoder decoder;
-  EXPECT_TRUE(is_refused(decoder, page, kind.extent, bytes));
 }
 
 TEST(PageCodec, APageOfAnotherPlaceIsCorruptWhereItsSizeDiffers) {
   const auto pages = sample_pages();
   PageDecoder decoder;
-  EXPECT_THROW(static_cast<void>(decoder.decode({0, 2, 0}, kSampleExtent, 2, encode(pages[0]))), Failure);
-  EXPECT_THROW(static_cast<void>(decoder.decode({1, 0, 0}, kSampleExtent, 2, encode(pages[0]))), Failure);
+  EXPECT_THROW(
+      static_cast<void>(decoder.decode({0, 2, 0}, kSampleExtent, 2, CodeDistance(), encode(pages[0], CodeDistance()))),
+      Failure);
+  EXPECT_THROW(
+      static_cast<void>(decoder.decode({1, 0, 0}, kSampleExtent, 2, CodeDistance(), encode(pages[0], CodeDistance()))),
+      Failure);
 }
 
 }  // namespace
