@@ -15,7 +15,7 @@ namespace {
 /// Puts down what is to be done, or holds it against what an interrupted ingest had put down.
 void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const std::filesystem::path& part) {
   {
-    const ReadTxn view = writer.view();
+    const ReadTxn view = writer.committed();
     if (const auto left = view.find({kHeaderTable, kPlanPosition})) {
       if (std::equal(plan.begin(), plan.end(), left->content.begin(), left->content.end())) return;
       throw Failure(Cause::invalid_argument,
@@ -24,8 +24,7 @@ void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const
                                 part.string()));
     }
   }
-  writer.put({kHeaderTable, kPlanPosition}, plan);
-  writer.commit(true);
+  writer.put({kHeaderTable, kPlanPosition}, plan);  // with the first tiles: small files have few transactions
 }
 
 bool holds_tiles(PageWriter& writer) { return writer.committed().summary(kRecordTable).pages > 0; }

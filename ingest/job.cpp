@@ -95,7 +95,7 @@ void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
   std::vector<Panel> panels = panels_of(job.description.extent, job.budget.tiles_across);
   std::uint64_t settled = 0;
   {
-    const ReadTxn done = writer.view();
+    const ReadTxn done = writer.committed();
     for (Panel& panel : panels) {
       std::erase_if(panel.tiles, [&](TileId id) {
         const bool keep = done.has(record_key(id)) && !job.is_stale(id);

@@ -11,7 +11,12 @@ using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
 
 /// Triangles that leave the extent are never in a mesh; their bits are 1, so that pages of data only need none.
 std::uint8_t leaving(GridRect extent, GridPoint p) {
-  if (spacing(p) == kRootSpacing) return 15;
+  const std::int32_t s = spacing(p);
+  if (s == kRootSpacing) return 15;
+  if (p.col - s >= extent.first.col && p.col + s <= extent.last.col && p.row - s >= extent.first.row &&
+      p.row + s <= extent.last.row) {
+    return 0;
+  }
   std::uint8_t bits = 0;
   const auto triangles = apex_triangles(p);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -203,9 +208,25 @@ class TilePacker {
     return page;
   }
 
+  /// Whether a void lies where a triangle at one of the page's own vertices can reach.
+  [[nodiscard]] bool has_voids_near(PageId id) const {
+    if (!tile_.voids) return false;
+    const std::int32_t reach = band_spacing(id.band + 1);  // twice the coarsest own spacing
+    const GridRect square = page_square(id);
+    const std::int32_t first = std::max(square.first.col - reach, window_.first.col);
+    const std::int32_t last = std::min(square.last.col + reach, window_.last.col);
+    for (std::int32_t row = std::max(square.first.row - reach, window_.first.row);
+         row <= std::min(square.last.row + reach, window_.last.row); ++row) {
+      const auto start = valid_.begin() + static_cast<std::ptrdiff_t>(index({first, row}));
+      const auto end = start + (last - first + 1);
+      if (std::find(start, end, 0) != end) return true;
+    }
+    return false;
+  }
+
   [[nodiscard]] ChildEntry finish(Page& page) const {
     return complete(
-        page, making_, tile_.voids.has_value(), [&](GridPoint p) { return tile_.errors[p]; },
+        page, making_, has_voids_near(page.id), [&](GridPoint p) { return tile_.errors[p]; },
         [&](GridPoint p) { return tile_.voids->apex_triangles_with_data(p); });
   }
 

@@ -212,15 +212,15 @@ TEST(PageCodec, VoidsAmidRawDoublesOfBothSignsDoNotSpoilThePage) {
 TEST(PageCodec, SmoothWholeNumbersTakeUnderTwoBitsASampleErrorsIncluded) {
   const Field field(
       surface(128, 128, [](int col, int row) { return std::nearbyint(200 * std::sin(col / 40.0) + row); }));
-  LevelGrid<ErrorCode> errors = vertex_errors(field.input);
+  LevelGrid<ErrorCode> errors = reference_errors(field.input, levels_of(field.extent));
   saturate(field.input, errors);
   Random random(1);
   Page page = random_page(random, {}, smooth);
-  page.heights = field.heights;
+  for (std::size_t i = 0; i < page.heights.size(); ++i) page.heights[i] = code_at(field.input.field.heights, i);
   for (std::int32_t row = 0; row < 128; ++row) {
     for (std::int32_t col = 0; col < 128; ++col) {
       const GridPoint p{col, row};
-      if (page.is_own(p)) page.errors[page.index(col, row)] = spacing(p) >= errors.root() ? kAlwaysSelected : errors[p];
+      if (page.is_own(p)) page.errors[page.index(col, row)] = height_in_tree(p) >= errors.levels() ? kAlwaysSelected : errors[p];
     }
   }
   EXPECT_LT(encode(page, CodeDistance()).size() * 8, page.heights.size() * 2);

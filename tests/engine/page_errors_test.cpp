@@ -60,12 +60,12 @@ class Definition {
     if (const auto known = known_.find({p.col, p.row}); known != known_.end()) return known->second;
     double largest = 0;
     const Diamond d = diamond(p);
-    const auto height = [&](GridPoint q) { return field_.heights[field_.index(q)]; };
+    const auto height = [&](GridPoint q) { return field_.input.field[q]; };
     for (const GridPoint apex : d.apexes) {
       if (!field_.extent.contains(apex) || !field_.extent.contains(d.ends[0]) || !field_.extent.contains(d.ends[1]))
         continue;
       for_each_under({apex, d.ends[0], d.ends[1]}, height, [&](GridPoint q, double surface) {
-        if (field_.valid[field_.index(q)] != 0) largest = std::max(largest, std::abs(height(q) - surface));
+        if (field_.valid[field_.input.field.index(q)] != 0) largest = std::max(largest, std::abs(height(q) - surface));
       });
     }
     const Children below = children(p);
@@ -81,7 +81,7 @@ class Definition {
 /// A finest page as ingest makes it, and what the decoder makes of its bytes.
 struct Packed {
   Packed(const Field& field, PageId id) : extent(field.extent), distance(field.input.field.distance) {
-    LevelGrid<ErrorCode> errors = reference_errors(field.input);
+    LevelGrid<ErrorCode> errors = reference_errors(field.input, levels_of(field.extent));
     saturate(field.input, errors);
     given.id = id;
     given.bands = band_count(extent);
@@ -89,11 +89,11 @@ struct Packed {
     for (std::int32_t row = 0; row < given.grid.rows; ++row) {
       for (std::int32_t col = 0; col < given.grid.cols; ++col) {
         const GridPoint p = given.grid.at(col, row);
-        given.heights.push_back(field.heights[field.index(p)]);
+        given.heights.push_back(field.input.field[p]);
         given.errors.push_back(!given.is_own(p)              ? ErrorCode{0}
-                               : spacing(p) >= errors.root() ? kAlwaysSelected
+                               : height_in_tree(p) >= errors.levels() ? kAlwaysSelected
                                                              : errors[p]);
-        given.valid.push_back(field.valid[field.index(p)]);
+        given.valid.push_back(field.valid[field.input.field.index(p)]);
         given.covers.push_back(given.is_own(p) && field.voids ? field.voids->apex_triangles_with_data(p)
                                                               : std::uint8_t{0});
       }
