@@ -36,7 +36,9 @@ Codes codes(double step, double base) {
 Ground with_voids(Codes codes, double fraction, bool islands) {
   Ground ground(std::move(codes));
   std::uint64_t state = 1;
-  const auto unit = [&] { return static_cast<double>((state = state * 6364136223846793005u + 1) >> 33) / 2147483648.0; };
+  const auto unit = [&] {
+    return static_cast<double>((state = state * 6364136223846793005u + 1) >> 33) / 2147483648.0;
+  };
   ground.valid.assign(static_cast<std::size_t>(kWindow) * kWindow, islands ? 0 : 1);
   if (!islands) {
     for (auto& v : ground.valid) v = unit() >= fraction;

@@ -63,7 +63,9 @@ VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int level
     const auto t = apex_triangles(p);
     // A half holds what its two children hold; they have the vertex at their right angle.
     const auto both = [&](std::size_t first) { return triangle(t[first]) | triangle(t[first + 1]); };
-    halves_[p] = static_cast<std::uint8_t>(both(0) | both(2) << 2);
+    const int first = inside(half_diamond(p, 0), extent_) ? both(0) : kNothing;
+    const int second = inside(half_diamond(p, 1), extent_) ? both(2) : kNothing;
+    halves_[p] = static_cast<std::uint8_t>(first | second << 2);
   };
   for (int shift = 0; shift < halves_.levels(); ++shift) {
     halves_.for_each(shift, false, settle);
