@@ -141,7 +141,7 @@ class FarVertices {
       for (std::int32_t col = tile_.first.col; col <= tile_.last.col; col += kBlockSide) {
         const GridPoint p{col, row};
         if (!extent_.contains(p) || field.is_valid(field.index(p))) continue;
-        if (!fill_of(field.extent, field.valid, field.heights, p)) record_.holds[index(p)] |= TileRecord::kNoFill;
+        if (!has_data_near(field.extent, field.valid, p)) record_.holds[index(p)] |= TileRecord::kNoFill;
       }
     }
   }

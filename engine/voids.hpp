@@ -55,8 +55,7 @@ inline constexpr std::int32_t kFillReach = 64;
 void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, GridRect within,
                 Codes& heights);
 
-/// The fill of one void vertex by that rule; none if it has no valid sample within reach.
-[[nodiscard]] std::optional<double> fill_of(GridRect extent, std::span<const std::uint8_t> valid,
-                                            const CodeSpan& heights, GridPoint p);
+/// Whether a void vertex has a valid sample within kFillReach.
+[[nodiscard]] bool has_data_near(GridRect extent, std::span<const std::uint8_t> valid, GridPoint p);
 
 }  // namespace talus
