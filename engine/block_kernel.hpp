@@ -51,6 +51,32 @@ inline constexpr std::size_t kKernelPlane = 5718;
 inline constexpr std::size_t kKernelRealPlanes = 64 * (2 * kKernelCells + 2 * kKernelPlane);
 inline constexpr std::size_t kKernelMemory = kKernelRealPlanes + 16 * (2 * kKernelPlane) + 64 * 64;
 
+/// The kBlockCells² samples a block owns, all there.
+struct OwnSamples {
+  const void* heights = nullptr;
+  std::ptrdiff_t stride = 0;
+  const std::uint8_t* valid = nullptr;  ///< 1 where a sample counts; null: all do
+  std::ptrdiff_t valid_stride = 0;
+};
+/// How far samples lie from a plane, in floats: lowest and highest by squares of kSlabCells², lowest > highest where
+/// no sample counts.
+inline constexpr int kSlabCells = 8, kSlabsAcross = kBlockCells / kSlabCells;
+struct SlabRanges {
+  float low[kSlabsAcross * kSlabsAcross], high[kSlabsAcross * kSlabsAcross];
+};
+struct HeightRange {
+  double lowest, highest;  ///< lowest > highest: no sample counts
+};
+
+/// What is asked of the samples of a type.
+struct ShapeKernel {
+  HeightRange (*range)(const OwnSamples&);
+  /// The highest sample not above a height, a number of the samples' type, and the lowest above it.
+  HeightRange (*around)(const OwnSamples&, double height);
+  /// The plane at the block's first sample, and its slopes.
+  void (*slabs)(const OwnSamples&, const float (&plane)[3], SlabRanges&);
+};
+
 struct BlockKernel {
   const char* name;
   int whole_lanes, real_lanes;
@@ -58,6 +84,12 @@ struct BlockKernel {
   void (*whole)(const Batch&, const LadderTables&);
   void (*floats)(const Batch&, const LadderTables&);
   void (*doubles)(const Batch&, const LadderTables&);
+  ShapeKernel whole_shape, floats_shape, doubles_shape;
+  /// Saturation of one row: raises those of `count` values that stand at an odd distance from the first by their four
+  /// neighbours; the first and the last have none and stay.
+  void (*raise_by_neighbours)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);
+  /// Raises every second of `count` values, value i by the values 2i - 1 and 2i + 1 above and below.
+  void (*raise_by_corners)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);
 };
 
 }  // namespace talus::detail
