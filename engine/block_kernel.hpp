@@ -85,6 +85,9 @@ struct BlockKernel {
   void (*floats)(const Batch&, const LadderTables&);
   void (*doubles)(const Batch&, const LadderTables&);
   ShapeKernel whole_shape, floats_shape, doubles_shape;
+  /// How far samples of each slab can be from another plane: `first` apart at the first slab's middle, that much more
+  /// per slab to the right and down. `slack` is added.
+  void (*bounds)(const SlabRanges&, float first, float right, float down, float slack, float* bounds);
   /// Saturation of one row: raises those of `count` values that stand at an odd distance from the first by their four
   /// neighbours; the first and the last have none and stay.
   void (*raise_by_neighbours)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);

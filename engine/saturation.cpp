@@ -52,12 +52,13 @@ class Saturation {
     const int parity = (row & 1) != 0 ? 0 : 1;  // of columns with side midpoints
     const std::int32_t begin = level.first_col + ((level.first_col ^ parity) & 1);
     // Those with all corners.
-    std::int32_t first = std::max(begin, (finer.first_col + 2) >> 1), last = std::min(level.last_col, (finer.last_col - 1) >> 1);
+    std::int32_t first = std::max(begin, (finer.first_col + 2) >> 1),
+                 last = std::min(level.last_col, (finer.last_col - 1) >> 1);
     first += (first ^ parity) & 1;
     if (2 * row - 1 < finer.first_row || 2 * row + 1 > finer.last_row) last = first - 1;
     if (first <= last) {
-      kernel_.raise_by_corners(&level.at(first, row), &finer.at(2 * first, 2 * row - 1), &finer.at(2 * first, 2 * row + 1),
-                               last - first + 1);
+      kernel_.raise_by_corners(&level.at(first, row), &finer.at(2 * first, 2 * row - 1),
+                               &finer.at(2 * first, 2 * row + 1), last - first + 1);
     }
     for (std::int32_t col = begin; col <= level.last_col; col += 2) {
       if (col == first && first <= last) col = last + 1 + ((last + 1 - first) & 1);

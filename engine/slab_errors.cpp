@@ -68,7 +68,8 @@ class Shapes {
   [[nodiscard]] bool has_void(std::size_t at, std::ptrdiff_t stride) const {
     if (field_.valid.empty()) return false;
     for (int row = 0; row < kBlockSide; ++row) {
-      if (std::memchr(&field_.valid[at + static_cast<std::size_t>(row * stride)], 0, kBlockSide) != nullptr) return true;
+      if (std::memchr(&field_.valid[at + static_cast<std::size_t>(row * stride)], 0, kBlockSide) != nullptr)
+        return true;
     }
     return false;
   }
@@ -100,7 +101,8 @@ class Shapes {
       for (int col = kSlabCells / 2; col < kBlockSide; col += kSlabCells) {
         if (samples.valid != nullptr && samples.valid[row * samples.valid_stride + col] == 0) continue;
         const double u = col - kBlockSide / 2, v = row - kBlockSide / 2;
-        const double height = static_cast<double>(static_cast<const Code*>(samples.heights)[row * samples.stride + col]) - base;
+        const double height =
+            static_cast<double>(static_cast<const Code*>(samples.heights)[row * samples.stride + col]) - base;
         n += 1, x += u, y += v, h += height;
         xx += u * u, xy += u * v, yy += v * v, xh += u * height, yh += v * height;
       }
@@ -125,9 +127,9 @@ class Shapes {
     const float plane[3] = {shape.middle - kHalf * shape.right - kHalf * shape.down, shape.right, shape.down};
     kernel_.slabs(samples, plane, shape.slabs);
     // Floats round at 2⁻²⁴ of what they hold, a handful of times.
-    const double largest = std::max(std::abs(range.lowest), std::abs(range.highest)) +
-                           std::abs(static_cast<double>(shape.middle)) +
-                           kBlockSide * (std::abs(static_cast<double>(shape.right)) + std::abs(static_cast<double>(shape.down)));
+    const double largest =
+        std::max(std::abs(range.lowest), std::abs(range.highest)) + std::abs(static_cast<double>(shape.middle)) +
+        kBlockSide * (std::abs(static_cast<double>(shape.right)) + std::abs(static_cast<double>(shape.down)));
     const auto rounding = static_cast<float>(largest * 0x1p-20 + 1e-30);
     float below = 0, above = 0;
     for (std::size_t i = 0; i < kSlabsAcross * kSlabsAcross; ++i) {
@@ -160,8 +162,9 @@ class Distances {
     plane_ = plane_of(t, [&](GridPoint p) { return field_[p]; });
     candidates_.clear();
     std::size_t best = 0;
-    for_each_square(t, kBlockShift, {{blocks_.first.col * kBlockSide, blocks_.first.row * kBlockSide},
-                                     {(blocks_.last.col + 1) * kBlockSide - 1, (blocks_.last.row + 1) * kBlockSide - 1}},
+    for_each_square(t, kBlockShift,
+                    {{blocks_.first.col * kBlockSide, blocks_.first.row * kBlockSide},
+                     {(blocks_.last.col + 1) * kBlockSide - 1, (blocks_.last.row + 1) * kBlockSide - 1}},
                     [&](GridPoint block) {
                       const BlockShape& shape = shape_of(block);
                       if (!shape.has_data) return;
@@ -214,22 +217,19 @@ class Distances {
     const GridPoint corner{block.col * kBlockSide, block.row * kBlockSide};
     constexpr double kHalf = (kSlabCells - 1) / 2.0;
     const double tilt = kHalf * (std::abs(gap.right) + std::abs(gap.down));
-    std::array<double, kSlabsAcross * kSlabsAcross> bounds;
-    for (int y = 0; y < kSlabsAcross; ++y) {
-      const double row_gap = gap.at_centre + gap.down * (y * kSlabCells + kHalf - kBlockSide / 2);
-      for (int x = 0; x < kSlabsAcross; ++x) {
-        const auto i = static_cast<std::size_t>(y * kSlabsAcross + x);
-        const double at_middle = row_gap + gap.right * (x * kSlabCells + kHalf - kBlockSide / 2);
-        bounds[i] = with_rounding(tilt + std::max(at_middle + static_cast<double>(shape.slabs.high[i]),
-                                                  -at_middle - static_cast<double>(shape.slabs.low[i])),
-                                  gap);
-      }
-    }
+    const double first = gap.at_centre + (gap.right + gap.down) * (kHalf - kBlockSide / 2);
+    // In floats, which round at 2⁻²⁴ of what they hold, a handful of times.
+    const double spread = std::abs(gap.at_centre) + kBlockSide * (std::abs(gap.right) + std::abs(gap.down)) +
+                          static_cast<double>(shape.above) + static_cast<double>(shape.below);
+    std::array<float, kSlabsAcross * kSlabsAcross> bounds;
+    kernel_.bounds(shape.slabs, static_cast<float>(first), static_cast<float>(gap.right * kSlabCells),
+                   static_cast<float>(gap.down * kSlabCells), static_cast<float>(tilt + spread * 0x1p-20 + 1e-30),
+                   bounds.data());
     // The highest first, whether it lies in the triangle or beside it: those beside have no samples to look at.
     const auto best = static_cast<std::size_t>(std::max_element(bounds.begin(), bounds.end()) - bounds.begin());
     look_at_slab(t, slab_at(corner, best), largest);
     for (std::size_t i = 0; i < bounds.size(); ++i) {
-      if (bounds[i] > largest) look_at_slab(t, slab_at(corner, i), largest);
+      if (static_cast<double>(bounds[i]) > largest) look_at_slab(t, slab_at(corner, i), largest);
     }
   }
   [[nodiscard]] static GridPoint slab_at(GridPoint corner, std::size_t i) {
@@ -279,6 +279,7 @@ class Distances {
   std::span<const Code> heights_;
   std::span<const BlockShape> shapes_;
   GridRect blocks_;
+  const BlockKernel& kernel_ = block_kernel();
   Plane<double> plane_;
   std::vector<Candidate> candidates_;
 };
