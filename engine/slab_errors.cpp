@@ -18,6 +18,9 @@
 namespace talus::detail {
 namespace {
 
+constexpr int kSlabShift = 3;
+static_assert(1 << kSlabShift == kSlabCells);
+
 template <class Code>
 const ShapeKernel& kernel_of(const BlockKernel& kernel) {
   if constexpr (std::is_same_v<Code, std::int16_t>) return kernel.whole_shape;
@@ -161,7 +164,6 @@ class Distances {
   [[nodiscard]] double largest(const HalfDiamond& t) {
     plane_ = plane_of(t, [&](GridPoint p) { return field_[p]; });
     candidates_.clear();
-    std::size_t best = 0;
     for_each_square(t, kBlockShift,
                     {{blocks_.first.col * kBlockSide, blocks_.first.row * kBlockSide},
                      {(blocks_.last.col + 1) * kBlockSide - 1, (blocks_.last.row + 1) * kBlockSide - 1}},
@@ -169,12 +171,13 @@ class Distances {
                       const BlockShape& shape = shape_of(block);
                       if (!shape.has_data) return;
                       candidates_.push_back({block, bound_of(block, shape)});
-                      if (candidates_.back().bound > candidates_[best].bound) best = candidates_.size() - 1;
                     });
     double largest = 0;
-    if (!candidates_.empty()) look_at_block(t, candidates_[best].block, largest);
+    std::sort(candidates_.begin(), candidates_.end(),
+              [](const Candidate& one, const Candidate& other) { return one.bound > other.bound; });
     for (const Candidate& c : candidates_) {
-      if (c.bound > largest) look_at_block(t, c.block, largest);
+      if (c.bound <= largest) break;
+      look_at_block(t, c.block, largest);
     }
     return largest;
   }
@@ -225,11 +228,21 @@ class Distances {
     kernel_.bounds(shape.slabs, static_cast<float>(first), static_cast<float>(gap.right * kSlabCells),
                    static_cast<float>(gap.down * kSlabCells), static_cast<float>(tilt + spread * 0x1p-20 + 1e-30),
                    bounds.data());
-    // The highest first, whether it lies in the triangle or beside it: those beside have no samples to look at.
-    const auto best = static_cast<std::size_t>(std::max_element(bounds.begin(), bounds.end()) - bounds.begin());
-    look_at_slab(t, slab_at(corner, best), largest);
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
-      if (static_cast<double>(bounds[i]) > largest) look_at_slab(t, slab_at(corner, i), largest);
+    // Only slabs with samples of the triangle; the highest bound first.
+    std::array<std::size_t, kSlabsAcross * kSlabsAcross> inside;
+    std::size_t count = 0, best = 0;
+    const GridRect own{corner, {corner.col + kBlockSide - 1, corner.row + kBlockSide - 1}};
+    for_each_square(t, kSlabShift, own, [&](GridPoint slab) {
+      const std::int32_t x = slab.col - (corner.col >> kSlabShift), y = slab.row - (corner.row >> kSlabShift);
+      const auto i = static_cast<std::size_t>(y * kSlabsAcross + x);
+      if (static_cast<double>(bounds[i]) <= largest) return;
+      if (count == 0 || bounds[i] > bounds[inside[best]]) best = count;
+      inside[count++] = i;
+    });
+    if (count == 0) return;
+    look_at_slab(t, slab_at(corner, inside[best]), largest);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (static_cast<double>(bounds[inside[k]]) > largest) look_at_slab(t, slab_at(corner, inside[k]), largest);
     }
   }
   [[nodiscard]] static GridPoint slab_at(GridPoint corner, std::size_t i) {
@@ -238,6 +251,7 @@ class Distances {
   }
 
   void look_at_slab(const HalfDiamond& t, GridPoint first, double& largest) const {
+    std::array<double, kSlabCells> farthest{};
     const std::int32_t last_row = std::min({first.row + kSlabCells - 1, field_.extent.last.row, t.bottom()});
     for (std::int32_t row = std::max({first.row, field_.extent.first.row, t.top()}); row <= last_row; ++row) {
       const auto [lo, hi] = t.columns(row);
@@ -246,12 +260,23 @@ class Distances {
       const std::int32_t last = std::min({first.col + kSlabCells - 1, field_.extent.last.col, hi});
       if (from > last) continue;
       std::size_t i = field_.index({from, row});
+      if (last - from == kSlabCells - 1 && field_.valid.empty()) {  // eight maxima that do not wait for each other
+        const Code* heights = &heights_[i];
+        const double first_col = from - plane_.col;
+        for (std::size_t k = 0; k < kSlabCells; ++k) {
+          const double on_plane = start + plane_.right * (first_col + static_cast<double>(k));
+          const double distance = std::abs(static_cast<double>(heights[k]) - on_plane);
+          farthest[k] = farthest[k] < distance ? distance : farthest[k];
+        }
+        continue;
+      }
       for (std::int32_t col = from; col <= last; ++col, ++i) {
         if (!field_.is_valid(i)) continue;
         const double on_plane = start + plane_.right * (col - plane_.col);
         largest = std::max(largest, std::abs(static_cast<double>(heights_[i]) - on_plane));
       }
     }
+    largest = std::max(largest, *std::max_element(farthest.begin(), farthest.end()));
   }
 
   /// visit(square) for each square of 1 << shift samples, by its column and row, that owns samples of the closed
