@@ -1,20 +1,36 @@
 #include "engine/block_bits.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace talus {
 namespace {
 
-BitRange bits_within(const HeightField& field, GridRect part) {
+/// Bits of the numbers of a rectangle.
+template <class Code>
+BitRange bits_within(const HeightField& field, std::span<const Code> heights, GridRect part) {
   BitRange bits;
-  std::visit(
-      [&](auto heights) {
-        for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-          const auto* line = &heights[field.index({part.first.col, row})];
-          for (std::int64_t col = 0; col < part.cols(); ++col) bits.take(static_cast<double>(line[col]));
-        }
-      },
-      field.heights);
+  const auto width = static_cast<std::size_t>(part.cols());
+  for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+    const Code* line = &heights[field.index({part.first.col, row})];
+    if constexpr (std::is_same_v<Code, float>) {
+      // Without a branch: a mantissa's lowest bit is a power of two, whose exponent as a float says where it stands.
+      int finest = BitRange::kNone, coarsest = -BitRange::kNone;
+      for (std::size_t i = 0; i < width; ++i) {
+        const auto word = static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(line[i]) & 0x7fffffffu);
+        const std::int32_t mantissa = (word & 0x7fffff) | 0x800000, exponent = word >> 23;
+        const std::int32_t lowest = std::bit_cast<std::int32_t>(static_cast<float>(mantissa & -mantissa)) >> 23;
+        const int low = exponent - 127 - 23 + lowest - 127, high = exponent - 127;
+        finest = std::min(finest, word == 0 ? int{BitRange::kNone} : low);
+        coarsest = std::max(coarsest, word == 0 ? -int{BitRange::kNone} : high);
+      }
+      if (finest > -127 - 23 && coarsest < 128) {
+        bits.take(BitRange{static_cast<std::int16_t>(finest), static_cast<std::int16_t>(coarsest)});
+        continue;
+      }  // a denormal among them, or no number: one by one
+    }
+    for (std::size_t i = 0; i < width; ++i) bits.take(static_cast<double>(line[i]));
+  }
   return bits;
 }
 
@@ -30,9 +46,15 @@ BlockBits::BlockBits(const HeightField& field) {
   for (std::int32_t row = first_.row; row < first_.row + rows_; ++row) {
     for (std::int32_t col = first_.col; col < first_.col + cols_; ++col) {
       const std::int32_t c = col * kBlockSide, r = row * kBlockSide;
-      blocks_.push_back(
-          bits_within(field, {{std::max(c, e.first.col), std::max(r, e.first.row)},
-                              {std::min(c + kBlockSide, e.last.col), std::min(r + kBlockSide, e.last.row)}}));
+      const GridRect part{{std::max(c, e.first.col), std::max(r, e.first.row)},
+                          {std::min(c + kBlockSide, e.last.col), std::min(r + kBlockSide, e.last.row)}};
+      blocks_.push_back(std::visit(
+          [&](auto heights) {
+            using Code = std::remove_const_t<typename decltype(heights)::element_type>;
+            return bits_within<Code>(field, heights, part);
+          },
+          field.heights));
+      all_exact_ = all_exact_ && blocks_.back().interpolates_exactly(kBlockSide);
     }
   }
 }

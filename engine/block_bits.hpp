@@ -46,6 +46,8 @@ class BlockBits {
     if (col < 0 || row < 0 || col >= cols_ || row >= rows_) return {};
     return blocks_[static_cast<std::size_t>(row * cols_ + col)];
   }
+  /// Whether that holds for every block alone.
+  [[nodiscard]] bool all_exact() const { return all_exact_; }
   /// Whether every interpolation over the half-diamond is exact in double. A function of the vertex: of the
   /// block it lies in; of a large one, of all blocks it touches, each alone and together.
   [[nodiscard]] bool is_exact(GridPoint vertex, int side) const;
@@ -54,6 +56,7 @@ class BlockBits {
   GridPoint first_;
   std::int32_t cols_ = 0, rows_ = 0;
   std::vector<BitRange> blocks_;
+  bool all_exact_ = true;
 };
 
 }  // namespace talus

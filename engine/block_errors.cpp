@@ -1,314 +1,371 @@
-// Errors of the vertices whose spacing is below a block's side, the block's own centre excepted: its
-// diagonal alternates from block to block, all other diamonds repeat.
-//
-// Where blocks are all data, eight neighbours go through together: their samples are transposed so that a
-// vector holds the same cell of each, and every triangle of the pattern is evaluated once for all eight,
-// with no shuffle and no mask. Float is exact for whole numbers while (heights · 2·side) stays within 24
-// bits; other blocks go through in double. Blocks with voids or on the rim take the plain loop.
+// What the kernels (engine/block_kernel.inc) need: which blocks go through together, as what kind of number.
 
 #include "engine/block_errors.hpp"
 
 #include <algorithm>
-#include <utility>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
 #include <vector>
+
+#include "engine/kernel_choice.hpp"
 
 namespace talus::detail {
 namespace {
 
-constexpr int kLanes = 8;
-constexpr int kSide = kBlockSide + 1;  // samples along a block
+constexpr int kSide = kBlockSamples;
+static_assert(kBlockSide == kBlockCells && kBlockShift == kBlockLevels);
 
-// Sixteen bytes are what every x86-64 has; the smaller-than of a vector extension would not become the one
-// instruction it is there.
-template <class Real>
-struct Vector {
-  typedef Real V __attribute__((vector_size(16)));
-  static V max(V a, V b) {
-#if defined(__SSE2__)
-    if constexpr (sizeof(Real) == 4)
-      return __builtin_ia32_maxps(a, b);
-    else
-      return __builtin_ia32_maxpd(a, b);
-#else
-    return a > b ? a : b;
-#endif
-  }
-};
+/// Where the vertices of each level begin in a block's own arrays, row by row.
+constexpr std::array<std::size_t, kBlockLevels> kLevelStart = {0, 4225, 5314, 5603, 5684, 5709};
+constexpr int level_side(int level) { return (kBlockSide >> level) + 1; }
 
-/// One number of each of eight blocks.
-template <class Real>
-struct Lanes {
-  static constexpr int kWidth = 16 / sizeof(Real), kParts = kLanes / kWidth;
-  typename Vector<Real>::V part[kParts]{};
-
-  Real& operator[](int lane) { return reinterpret_cast<Real*>(part)[lane]; }
-  Real operator[](int lane) const { return part[lane / kWidth][lane % kWidth]; }
-  template <class Make>
-  [[nodiscard]] static Lanes each(Make&& make) {
-    Lanes made;
-    for (int i = 0; i < kParts; ++i) made.part[i] = make(i);
-    return made;
-  }
-  friend Lanes operator+(const Lanes& a, const Lanes& b) {
-    return each([&](int i) { return a.part[i] + b.part[i]; });
-  }
-  friend Lanes operator-(const Lanes& a, const Lanes& b) {
-    return each([&](int i) { return a.part[i] - b.part[i]; });
-  }
-  friend Lanes operator-(const Lanes& a) {
-    return each([&](int i) { return -a.part[i]; });
-  }
-  friend Lanes operator*(const Lanes& a, Real b) {
-    return each([&](int i) { return a.part[i] * b; });
-  }
-  friend Lanes larger(const Lanes& a, const Lanes& b) {
-    return each([&](int i) { return Vector<Real>::max(a.part[i], b.part[i]); });
-  }
-};
-
-/// The transposed samples of eight blocks, and the pattern of triangles over them.
-template <class Real>
-class BlockGroup {
-  using V = Lanes<Real>;
-
+/// Codes of the smallest distances of whole numbers.
+class ShortCodes {
  public:
-  BlockGroup() : cells_(kSide * kSide) {}
-
-  /// Blocks number `first` … in the row of blocks whose north-west sample is `corner`; fewer than eight
-  /// repeat the last.
-  void load(const HeightField& field, GridPoint corner, int count, double reference) {
-    for (int row = 0; row < kSide; ++row) {
-      const std::size_t start = field.index({corner.col, corner.row + row});
-      std::visit(
-          [&](auto heights) {
-            for (int lane = 0; lane < kLanes; ++lane) {
-              const auto* from = &heights[start] + std::min(lane, count - 1) * kBlockSide;
-              for (int col = 0; col < kSide; ++col) {
-                at(col, row)[lane] = static_cast<Real>(static_cast<double>(from[col]) - reference);
-              }
-            }
-          },
-          field.heights);
+  explicit ShortCodes(const CodeDistance& distance) : distance_(distance) {
+    for (int level = 0; level < kBlockLevels; ++level) {
+      ErrorCode code = 0;
+      for (int i = 0; i < LadderTables::kShort; ++i) {
+        const double metres = distance.metres(static_cast<double>(i) / (2 << level));
+        while (error_of(code) < metres) ++code;
+        codes_[static_cast<std::size_t>(level)][static_cast<std::size_t>(i)] = code;
+      }
     }
   }
-
-  /// Largest distance over the interior and the hypotenuse of both halves that lie in the block.
-  [[nodiscard]] V error(GridPoint p) const {
-    if (spacing(p) == 1) return finest(p);
-    return is_centre(p) ? centre(p) : side_midpoint(p);
+  [[nodiscard]] bool is_of(const CodeDistance& distance) const { return distance_ == distance; }
+  [[nodiscard]] LadderTables tables() const {
+    LadderTables tables;
+    for (std::size_t level = 0; level < kBlockLevels; ++level) tables.steps[level] = codes_[level].data();
+    tables.factor = distance_.factor();
+    tables.divisor = distance_.divisor();
+    tables.rungs = error_ladder.metres.data();
+    tables.first_guess = error_ladder.first_guess.data();
+    return tables;
   }
 
  private:
-  V& at(int col, int row) { return cells_[static_cast<std::size_t>(row * kSide + col)]; }
-  [[nodiscard]] const V& at(int col, int row) const { return cells_[static_cast<std::size_t>(row * kSide + col)]; }
-  [[nodiscard]] const V& at(GridPoint p) const { return at(p.col, p.row); }
-
-  /// Distance to both sides of zero kept apart: no absolute value in the inner loop.
-  struct Range {
-    V above{}, below{};
-    void take(const V& residual) {
-      above = larger(above, residual);
-      below = larger(below, -residual);
-    }
-    [[nodiscard]] V largest() const { return larger(above, below); }
-  };
-
-  [[nodiscard]] V finest(GridPoint p) const {
-    const Diamond d = diamond(p);
-    Range range;
-    range.take(at(p) - (at(d.ends[0]) + at(d.ends[1])) * Real{0.5});
-    return range.largest();
-  }
-
-  [[nodiscard]] V centre(GridPoint p) const {
-    const Diamond d = diamond(p);
-    const int s = spacing(p);
-    Range range;
-    for (std::size_t side = 0; side < 2; ++side) {
-      const GridPoint apex = d.apexes[side];
-      const int east = p.col > apex.col ? 1 : -1, south = p.row > apex.row ? 1 : -1;
-      const V base = at(apex);
-      const Real per_cell = Real{1} / static_cast<Real>(2 * s);  // a power of two: exact
-      const V right = (at(apex.col + 2 * s * east, apex.row) - base) * (per_cell * static_cast<Real>(east));
-      const V down = (at(apex.col, apex.row + 2 * s * south) - base) * (per_cell * static_cast<Real>(south));
-      for (int v = 1; v < 2 * s; ++v) {
-        const V start = base + down * static_cast<Real>(v * south);
-        for (int u = 1; u <= 2 * s - v - static_cast<int>(side); ++u) {  // the hypotenuse once
-          range.take(at(apex.col + u * east, apex.row + v * south) - (start + right * static_cast<Real>(u * east)));
-        }
-      }
-    }
-    return range.largest();
-  }
-
-  [[nodiscard]] V side_midpoint(GridPoint p) const {
-    const Diamond d = diamond(p);
-    const int s = spacing(p);
-    const V a = at(d.ends[0]), b = at(d.ends[1]);
-    const V mid = (a + b) * Real{0.5}, along = (b - a) * (Real{1} / static_cast<Real>(2 * s));
-    const bool level = d.ends[0].row == d.ends[1].row;
-    Range range;
-    for (int t = 1 - s; t < s; ++t) {  // the hypotenuse
-      const GridPoint q = level ? GridPoint{p.col + t, p.row} : GridPoint{p.col, p.row + t};
-      range.take(at(q) - (mid + along * static_cast<Real>(t)));
-    }
-    for (const GridPoint apex : d.apexes) {
-      if (apex.col < 0 || apex.row < 0 || apex.col >= kSide || apex.row >= kSide) continue;
-      if (level) {
-        const int south = apex.row > p.row ? 1 : -1;
-        const V down = (at(apex) - mid) * (Real{1} / static_cast<Real>(s * south));
-        for (int n = 1; n < s; ++n) {
-          const V start = mid + down * static_cast<Real>(n * south);
-          for (int t = n - s + 1; t < s - n; ++t) {
-            range.take(at(p.col + t, p.row + n * south) - (start + along * static_cast<Real>(t)));
-          }
-        }
-      } else {
-        const int east = apex.col > p.col ? 1 : -1;
-        const V right = (at(apex) - mid) * (Real{1} / static_cast<Real>(s * east));
-        for (int t = 1 - s; t < s; ++t) {
-          const V start = mid + along * static_cast<Real>(t);
-          const int reach = s - (t < 0 ? -t : t);
-          for (int n = 1; n < reach; ++n) {
-            range.take(at(p.col + n * east, p.row + t) - (start + right * static_cast<Real>(n * east)));
-          }
-        }
-      }
-    }
-    return range.largest();
-  }
-
-  std::vector<V> cells_;
+  CodeDistance distance_;
+  std::array<std::array<ErrorCode, LadderTables::kShort>, kBlockLevels> codes_{};
 };
 
-/// The vertices of a block's closed square that are settled in it, in block coordinates.
-std::vector<GridPoint> pattern() {
-  std::vector<GridPoint> vertices;
-  for (std::int32_t row = 0; row < kSide; ++row) {
-    for (std::int32_t col = 0; col < kSide; ++col) {
-      const GridPoint p{col, row};
-      if (is_settled_in_block(p)) vertices.push_back(p);
-    }
+/// A block that is no plain part of the field: one that is cut by its edge, or whose numbers become 16 bits.
+struct OwnBlock {
+  std::array<std::byte, kKernelCells * sizeof(double)> heights;
+  std::array<std::int16_t, kKernelCells> narrow;
+  std::array<std::uint8_t, kKernelCells> valid;
+  std::array<ErrorCode, kKernelPlane> errors;
+  std::array<std::uint8_t, kKernelPlane> holds;
+
+  template <class Code>
+  [[nodiscard]] Code* codes() {
+    return reinterpret_cast<Code*>(heights.data());
   }
-  return vertices;
+};
+
+/// Memory that a thread keeps from tile to tile. No result depends on what it holds.
+struct Workspace {
+  Workspace() : kernel(static_cast<std::byte*>(std::aligned_alloc(64, kMemory))) {
+    if (kernel == nullptr) throw std::bad_alloc();
+    std::memset(kernel.get(), 0, kMemory);
+  }
+  static constexpr std::size_t kMemory = (kKernelMemory + 63) & ~std::size_t{63};
+  struct Free {
+    void operator()(std::byte* memory) const { std::free(memory); }
+  };
+  std::unique_ptr<std::byte, Free> kernel;
+  std::vector<std::unique_ptr<OwnBlock>> blocks;
+  std::unique_ptr<ShortCodes> codes;
+};
+
+Workspace& workspace() {
+  static thread_local Workspace memory;
+  return memory;
 }
 
-/// Distances of whole numbers are multiples of 1/64 in a block: the small ones are looked up.
-class SmallCodes {
- public:
-  explicit SmallCodes(const CodeDistance& distance) : distance_(distance), small_(kSmall) {
-    for (std::size_t i = 0; i < kSmall; ++i)
-      small_[i] = error_code(distance.metres(static_cast<double>(i) / kBlockSide));
-  }
-  [[nodiscard]] ErrorCode operator()(double distance) const {
-    const double steps = distance * kBlockSide;
-    if (steps < static_cast<double>(kSmall)) return small_[static_cast<std::size_t>(steps)];
-    return error_code(distance_.metres(distance));
-  }
-
- private:
-  static constexpr std::size_t kSmall = 1 << 14;
-  CodeDistance distance_;
-  std::vector<ErrorCode> small_;
+/// One kind of block: those that can share a batch.
+struct Kind {
+  bool whole = false, masked = false;
 };
 
+template <class Code>
 class BlockErrors {
  public:
   BlockErrors(const ErrorInput& input, LevelGrid<ErrorCode>& errors)
-      : input_(input), field_(input.field), errors_(errors), codes_(input.field.distance), pattern_(pattern()) {}
+      : input_(input),
+        field_(input.field),
+        heights_(std::get<std::span<const Code>>(field_.heights)),
+        errors_(errors),
+        kernel_(block_kernel()),
+        memory_(workspace()) {
+    if (memory_.codes == nullptr || !memory_.codes->is_of(field_.distance)) {
+      memory_.codes = std::make_unique<ShortCodes>(field_.distance);
+    }
+  }
 
   void run(GridRect blocks) {
+    std::array<std::vector<GridPoint>, 4> kinds;
     for (std::int32_t row = blocks.first.row; row <= blocks.last.row; ++row) {
       for (std::int32_t col = blocks.first.col; col <= blocks.last.col; ++col) {
         const GridPoint corner{col * kBlockSide, row * kBlockSide};
-        int count = 0;
-        while (count < kLanes && col + count <= blocks.last.col &&
-               is_all_data({corner.col + count * kBlockSide, corner.row})) {
-          ++count;
-        }
-        for (int i = 0; i < std::max(count, 1); ++i) {
-          centre({corner.col + i * kBlockSide + kBlockSide / 2, corner.row + kBlockSide / 2});
-        }
-        if (count == 0) {
-          plain(corner);
-        } else {
-          together(corner, count);
-          col += count - 1;
-        }
+        const int valid = count_valid(corner);
+        if (valid == 0) continue;
+        const bool masked = valid < kSide * kSide;
+        kinds[(is_whole(corner) ? 2u : 0u) + (masked ? 1u : 0u)].push_back(corner);
       }
     }
+    for (std::size_t i = 0; i < kinds.size(); ++i) batches(kinds[i], {(i & 2) != 0, (i & 1) != 0});
   }
 
  private:
-  [[nodiscard]] bool is_all_data(GridPoint corner) const {
-    if (!field_.extent.contains(corner) ||
-        !field_.extent.contains({corner.col + kBlockSide, corner.row + kBlockSide})) {
-      return false;
-    }
-    if (field_.valid.empty()) return true;
-    for (std::int32_t row = corner.row; row <= corner.row + kBlockSide; ++row) {
-      const auto* from = &field_.valid[field_.index({corner.col, row})];
-      if (std::find(from, from + kSide, 0) != from + kSide) return false;
-    }
-    return true;
+  [[nodiscard]] GridRect closed(GridPoint corner) const {
+    return {corner, {corner.col + kBlockSide, corner.row + kBlockSide}};
+  }
+  [[nodiscard]] bool is_cut(GridPoint corner) const {
+    return !field_.extent.contains(corner) || !field_.extent.contains(closed(corner).last);
+  }
+  [[nodiscard]] GridRect part_of_field(GridPoint corner) const {
+    const GridRect b = closed(corner), &e = field_.extent;
+    return {{std::max(b.first.col, e.first.col), std::max(b.first.row, e.first.row)},
+            {std::min(b.last.col, e.last.col), std::min(b.last.row, e.last.row)}};
   }
 
-  void plain(GridPoint corner) {
-    const GridRect block{corner, {corner.col + kBlockSide, corner.row + kBlockSide}};
-    for (const GridPoint q : pattern_) {
-      const GridPoint p{corner.col + q.col, corner.row + q.row};
-      double metres = 0;
-      for (const int side : {0, 1}) {
-        if (inside(half_diamond(p, side), block)) metres = std::max(metres, reference_half_error(input_, p, side));
+  /// Valid samples of a closed block.
+  [[nodiscard]] int count_valid(GridPoint corner) const {
+    const GridRect part = part_of_field(corner);
+    if (part.cols() <= 0 || part.rows() <= 0) return 0;
+    if (field_.valid.empty()) return static_cast<int>(part.samples());
+    int count = 0;
+    for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+      const std::uint8_t* line = &field_.valid[field_.index({part.first.col, row})];
+      int in_row = 0;
+      for (std::int64_t col = 0; col < part.cols(); ++col) in_row += line[col];
+      count += in_row;
+    }
+    return count;
+  }
+
+  /// Whether all heights of a block are whole numbers of 16 bits, less one of them.
+  [[nodiscard]] bool is_whole(GridPoint corner) const {
+    if constexpr (std::is_same_v<Code, std::int16_t>) return true;
+    const BitRange bits = (*input_.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
+    if (bits.finest < 0 || bits.coarsest >= (std::is_same_v<Code, float> ? 24 : 52)) return false;
+    const auto [lowest, highest] = range(part_of_field(corner));
+    return highest - lowest <= 65000;
+  }
+  [[nodiscard]] std::pair<Code, Code> range(GridRect part) const {
+    Code lowest = heights_[field_.index(part.first)], highest = lowest;
+    for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+      const Code* line = &heights_[field_.index({part.first.col, row})];
+      for (std::int64_t col = 0; col < part.cols(); ++col) {
+        lowest = line[col] < lowest ? line[col] : lowest;
+        highest = line[col] > highest ? line[col] : highest;
       }
-      if (metres > 0) errors_[p] = std::max(errors_[p], error_code(metres));
     }
-  }
-  void centre(GridPoint p) {
-    if (!errors_.holds(p)) return;
-    errors_[p] = error_code(std::max(reference_half_error(input_, p, 0), reference_half_error(input_, p, 1)));
+    return {lowest, highest};
   }
 
-  void together(GridPoint corner, int count) {
-    bool exact = true;
-    for (int i = 0; i < count && input_.bits != nullptr; ++i) {
-      const GridPoint block{(corner.col >> kBlockShift) + i, corner.row >> kBlockShift};
-      exact = exact && (*input_.bits)[block].interpolates_exactly(kBlockSide);
+  void batches(const std::vector<GridPoint>& corners, Kind kind) {
+    const auto most = static_cast<std::size_t>(kind.whole ? kernel_.whole_lanes : kernel_.real_lanes);
+    for (std::size_t first = 0; first < corners.size(); first += most) {
+      batch(std::span(corners).subspan(first, std::min(most, corners.size() - first)), kind);
     }
-    if (exact) {
-      evaluate(doubles_, corner, count, 0);
+  }
+
+  void batch(std::span<const GridPoint> corners, Kind kind) {
+    std::array<Lane, kMostLanes> lanes;
+    for (std::size_t i = 0; i < corners.size(); ++i) lanes[i] = lane(corners[i], kind, i);
+    const Batch batch{lanes.data(), static_cast<int>(corners.size()), kind.masked, memory_.kernel.get()};
+    const LadderTables tables = memory_.codes->tables();
+    if (kind.whole) {
+      kernel_.whole(batch, tables);
+    } else if constexpr (std::is_same_v<Code, float>) {
+      kernel_.floats(batch, tables);
+    } else if constexpr (std::is_same_v<Code, double>) {
+      kernel_.doubles(batch, tables);
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (lanes[i].margin != 0) finest_side_midpoints(lanes[i]);
+      if (is_cut(corners[i])) give_back(corners[i], own(i));
+    }
+  }
+
+  [[nodiscard]] OwnBlock& own(std::size_t i) {
+    while (memory_.blocks.size() <= i) memory_.blocks.push_back(std::make_unique<OwnBlock>());
+    return *memory_.blocks[i];
+  }
+
+  [[nodiscard]] Lane lane(GridPoint corner, Kind kind, std::size_t number) {
+    Lane lane;
+    lane.odd = static_cast<std::uint8_t>(((corner.col ^ corner.row) >> kBlockShift) & 1);
+    if (input_.bits != nullptr && !kind.whole) {
+      const BitRange bits = (*input_.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
+      lane.margin = bits.interpolates_exactly(kBlockSide) ? 0 : kRoundingMargin;
+    }
+    if (is_cut(corner)) {
+      cut_out(corner, lane, own(number));
     } else {
-      for (int i = 0; i < count; ++i) plain({corner.col + i * kBlockSide, corner.row});
+      const std::size_t at = field_.index(corner);
+      lane.heights = &heights_[at];
+      lane.stride = field_.extent.cols();
+      if (kind.masked) lane.valid = &field_.valid[at];
+      lane.valid_stride = lane.stride;
+      for (int level = 0; level < kBlockLevels; ++level) {
+        const auto units = errors_.units(level);
+        lane.errors[level] = &units.at(corner.col >> level, corner.row >> level);
+        lane.level_stride[level] = units.stride;
+        if (kind.masked) lane.holds[level] = &holds_at(level, corner);
+      }
+    }
+    if constexpr (!std::is_same_v<Code, std::int16_t>) {
+      if (kind.whole) narrow(corner, lane, own(number));
+    }
+    return lane;
+  }
+
+  [[nodiscard]] const std::uint8_t& holds_at(int level, GridPoint corner) const {
+    return input_.voids->units(level).at(corner.col >> level, corner.row >> level);
+  }
+
+  /// A block with samples beyond the field gets copies of the nearest ones there (so that ranges stay small), which
+  /// do not count.
+  void cut_out(GridPoint corner, Lane& lane, OwnBlock& block) const {
+    const GridRect part = part_of_field(corner);
+    Code* to = block.codes<Code>();
+    std::uint8_t* valid = block.valid.data();
+    for (std::int32_t row = corner.row; row <= corner.row + kBlockSide; ++row) {
+      for (std::int32_t col = corner.col; col <= corner.col + kBlockSide; ++col) {
+        const std::size_t i = field_.index(
+            {std::clamp(col, part.first.col, part.last.col), std::clamp(row, part.first.row, part.last.row)});
+        *to++ = heights_[i];
+        *valid++ = part.contains({col, row}) && field_.is_valid(i) ? 1 : 0;
+      }
+    }
+    block.errors.fill(0);
+    for (int level = 0; level < kBlockLevels; ++level) {
+      std::uint8_t* holds = block.holds.data() + kLevelStart[static_cast<std::size_t>(level)];
+      for (int row = 0; row < level_side(level); ++row) {
+        for (int col = 0; col < level_side(level); ++col) {
+          *holds++ = held_by({corner.col + col * (1 << level), corner.row + row * (1 << level)}, level);
+        }
+      }
+      lane.errors[level] = block.errors.data() + kLevelStart[static_cast<std::size_t>(level)];
+      lane.holds[level] = block.holds.data() + kLevelStart[static_cast<std::size_t>(level)];
+      lane.level_stride[level] = level_side(level);
+    }
+    lane.heights = block.heights.data();
+    lane.valid = block.valid.data();
+    lane.stride = lane.valid_stride = kSide;
+  }
+  [[nodiscard]] std::uint8_t held_by(GridPoint p, int level) const {
+    if (spacing(p) != 1 << level) return 0;
+    const auto half = [&](int side) {
+      if (!inside(half_diamond(p, side), field_.extent)) return kNothing;
+      return input_.voids == nullptr ? kData : input_.voids->half(p, side);
+    };
+    return static_cast<std::uint8_t>(half(0) | half(1) << 2);
+  }
+
+  /// The errors of a block that was cut out.
+  void give_back(GridPoint corner, const OwnBlock& block) {
+    const ErrorCode* from = block.errors.data();
+    for (int level = 0; level < kBlockLevels; ++level) {
+      const auto units = errors_.units(level);
+      for (int row = 0; row < level_side(level); ++row) {
+        for (int col = 0; col < level_side(level); ++col, ++from) {
+          if (*from == 0) continue;  // those beyond the field among them
+          ErrorCode& error = units.at((corner.col >> level) + col, (corner.row >> level) + row);
+          error = std::max(error, *from);
+        }
+      }
     }
   }
 
-  template <class Real>
-  void evaluate(BlockGroup<Real>& group, GridPoint corner, int count, double reference) {
-    group.load(field_, corner, count, reference);
-    const bool whole = input_.bits == nullptr;
-    for (const GridPoint q : pattern_) {
-      const auto error = group.error(q);
-      ErrorCode* code = &errors_[{corner.col + q.col, corner.row + q.row}];
-      const int stride = kBlockSide / spacing(q);  // the same vertex of the next block
-      for (int lane = 0; lane < count; ++lane, code += stride) {
-        const auto distance = static_cast<double>(error[lane]);
-        *code = std::max(*code, whole ? codes_(distance) : error_code(field_.distance.metres(distance)));
+  /// Whole numbers less one in their middle.
+  void narrow(GridPoint corner, Lane& lane, OwnBlock& block) const {
+    const auto [lowest, highest] = range(part_of_field(corner));
+    const Code middle = static_cast<Code>(std::floor((lowest + highest) / 2));
+    const auto* from = static_cast<const Code*>(lane.heights);
+    std::int16_t* to = block.narrow.data();
+    for (int row = 0; row < kSide; ++row) {
+      for (int col = 0; col < kSide; ++col) {
+        *to++ = static_cast<std::int16_t>(static_cast<std::int32_t>(from[row * lane.stride + col] - middle));
+      }
+    }
+    lane.heights = block.narrow.data();
+    lane.stride = kSide;
+  }
+
+  /// Where arithmetic rounds, the margin of a finest side midpoint depends on its own three heights.
+  void finest_side_midpoints(const Lane& lane) const {
+    const auto* heights = static_cast<const Code*>(lane.heights);
+    for (int row = 0; row < kSide; ++row) {
+      for (int col = 1 - (row & 1); col < kSide; col += 2) {
+        const bool level = (row & 1) == 0;
+        const auto at = row * lane.level_stride[0] + col;
+        if (lane.holds[0] != nullptr &&
+            ((lane.holds[0][at] & (kData | kData << 2)) == 0 || lane.valid[row * lane.valid_stride + col] == 0)) {
+          continue;
+        }
+        const Code* own = heights + row * lane.stride + col;
+        const std::ptrdiff_t step = level ? 1 : lane.stride;
+        const double metres = finest_error(static_cast<double>(*own), static_cast<double>(own[-step]),
+                                           static_cast<double>(own[step]), field_.distance);
+        ErrorCode& error = lane.errors[0][at];
+        error = std::max(error, error_code(metres));
       }
     }
   }
 
   const ErrorInput& input_;
   const HeightField& field_;
+  std::span<const Code> heights_;
   LevelGrid<ErrorCode>& errors_;
-  SmallCodes codes_;
-  std::vector<GridPoint> pattern_;
-  BlockGroup<double> doubles_;
+  const BlockKernel& kernel_;
+  Workspace& memory_;
 };
+
+/// Triangles that mix data and void: what they carry follows from their row and shape.
+void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
+  for (int level = 0; level < errors.levels(); ++level) {
+    const auto to = errors.units(level);
+    const auto holds = input.voids->units(level);
+    const std::int32_t width = to.last_col - to.first_col + 1;
+    for (std::int32_t row = to.first_row; row <= to.last_row; ++row) {
+      const std::uint8_t* held = &holds.at(to.first_col, row);
+      const auto is_mixed = [](std::uint8_t h) { return (h & 3) == kMixed || h >> 2 == kMixed; };
+      if (std::none_of(held, held + width, is_mixed)) continue;
+      ErrorCode codes[2][2];  // by parity of the column and side
+      for (const int odd : {0, 1}) {
+        for (const int side : {0, 1}) {
+          const GridPoint p{(to.first_col & ~1) + odd, row};
+          const bool is_vertex = ((p.col | p.row) & 1) != 0;
+          const HalfDiamond t = half_diamond({p.col * (1 << level), p.row * (1 << level)}, side);
+          codes[odd][side] = is_vertex ? error_code(mixed_error(input, t)) : ErrorCode{0};
+        }
+      }
+      ErrorCode* error = &to.at(to.first_col, row);
+      for (std::int32_t i = 0; i < width; ++i) {
+        const ErrorCode* own = codes[(to.first_col + i) & 1];
+        const ErrorCode first = (held[i] & 3) == kMixed ? own[0] : ErrorCode{0};
+        const ErrorCode second = held[i] >> 2 == kMixed ? own[1] : ErrorCode{0};
+        error[i] = std::max(error[i], std::max(first, second));
+      }
+    }
+  }
+}
 
 }  // namespace
 
 void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors) {
-  BlockErrors(input, errors).run(blocks);
+  std::visit(
+      [&](auto heights) {
+        using Code = std::remove_const_t<typename decltype(heights)::element_type>;
+        BlockErrors<Code>(input, errors).run(blocks);
+      },
+      input.field.heights);
+  if (input.voids != nullptr) mixed_errors(input, errors);
 }
 
 }  // namespace talus::detail

@@ -5,10 +5,6 @@
 
 namespace talus::detail {
 
-[[nodiscard]] constexpr bool is_settled_in_block(GridPoint p) {
-  return spacing(p) < kBlockSide && !(is_centre(p) && 2 * spacing(p) == kBlockSide);
-}
-
 /// Raises the errors of all vertices to those of their halves that lie in the blocks, first to last by column
 /// and row. The same as reference_errors up to saturation: where all of a block is data, several go
 /// side by side in the lanes of a vector, and only the interior and the hypotenuse of each triangle count (its

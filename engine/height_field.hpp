@@ -27,6 +27,9 @@ class CodeDistance {
   CodeDistance() = default;
   CodeDistance(const HeightStep& step, double metres_per_unit);
   [[nodiscard]] double metres(double codes) const { return codes * factor_ / divisor_; }
+  [[nodiscard]] double factor() const { return factor_; }
+  [[nodiscard]] double divisor() const { return divisor_; }
+  friend bool operator==(const CodeDistance&, const CodeDistance&) = default;
   /// Metres are a whole power of two of codes: no conversion rounds.
   [[nodiscard]] bool is_binary() const;
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/kernel_choice.hpp"
+
 namespace talus {
 namespace {
 
@@ -22,6 +24,7 @@ class Saturation {
   Saturation(const ErrorInput& input, LevelGrid<ErrorCode>& errors) : input_(input), errors_(errors) {}
 
   void run() {
+    if (input_.bits == nullptr || input_.bits->all_exact()) return run_exact();
     for (int shift = 0; shift < errors_.levels(); ++shift) {
       const Units level = errors_.units(shift);
       const Units finer = shift == 0 ? Units{} : errors_.units(shift - 1);
@@ -32,6 +35,53 @@ class Saturation {
 
  private:
   using Units = LevelGrid<ErrorCode>::Units;
+
+  /// Where nothing rounds, all is maxima of rows; only at the rim, where neighbours may be missing, one by one.
+  void run_exact() {
+    for (int shift = 0; shift < errors_.levels(); ++shift) {
+      const Units level = errors_.units(shift);
+      if (shift > 0) {
+        const Units finer = errors_.units(shift - 1);
+        for (std::int32_t row = level.first_row; row <= level.last_row; ++row) raise_sides(level, finer, row);
+      }
+      for (std::int32_t row = level.first_row | 1; row <= level.last_row; row += 2) raise_centres(level, row);
+    }
+  }
+
+  void raise_sides(const Units& level, const Units& finer, std::int32_t row) const {
+    const int parity = (row & 1) != 0 ? 0 : 1;  // of columns with side midpoints
+    const std::int32_t begin = level.first_col + ((level.first_col ^ parity) & 1);
+    // Those with all corners.
+    std::int32_t first = std::max(begin, (finer.first_col + 2) >> 1),
+                 last = std::min(level.last_col, (finer.last_col - 1) >> 1);
+    first += (first ^ parity) & 1;
+    if (2 * row - 1 < finer.first_row || 2 * row + 1 > finer.last_row) last = first - 1;
+    if (first <= last) {
+      kernel_.raise_by_corners(&level.at(first, row), &finer.at(2 * first, 2 * row - 1),
+                               &finer.at(2 * first, 2 * row + 1), last - first + 1);
+    }
+    for (std::int32_t col = begin; col <= level.last_col; col += 2) {
+      if (col == first && first <= last) col = last + 1 + ((last + 1 - first) & 1);
+      if (col > level.last_col) break;
+      level.at(col, row) = std::max(level.at(col, row), corners(finer, 2 * col, 2 * row));
+    }
+  }
+
+  void raise_centres(const Units& level, std::int32_t row) const {
+    const std::int32_t first = (level.first_col + 1) & ~1;  // before the first that has all neighbours
+    if (row == level.first_row || row == level.last_row || first + 2 > level.last_col) {
+      for (std::int32_t col = level.first_col | 1; col <= level.last_col; col += 2) raise_centre(level, col, row);
+      return;
+    }
+    ErrorCode* from = &level.at(first, row);
+    kernel_.raise_by_neighbours(from, from - level.stride, from + level.stride, level.last_col - first + 1);
+    for (const std::int32_t col : {level.first_col, level.last_col}) {
+      if ((col & 1) != 0) raise_centre(level, col, row);
+    }
+  }
+  static void raise_centre(const Units& level, std::int32_t col, std::int32_t row) {
+    level.at(col, row) = std::max(level.at(col, row), around(level, col, row));
+  }
 
   void gather(int shift, const Units& level, const Units& from, bool centres) {
     for (std::int32_t row = level.first_row; row <= level.last_row; ++row) {
@@ -73,6 +123,7 @@ class Saturation {
 
   const ErrorInput& input_;
   LevelGrid<ErrorCode>& errors_;
+  const detail::BlockKernel& kernel_ = detail::block_kernel();
 };
 
 }  // namespace

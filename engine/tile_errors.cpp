@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "engine/block_errors.hpp"
 #include "engine/saturation.hpp"
@@ -28,69 +26,6 @@ Codes copy_of(const CodeSpan& codes) {
       codes);
 }
 
-float rounded_up(double v) {
-  const auto f = static_cast<float>(v);
-  return f < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
-
-// ---- planes of blocks --------------------------------------------------------------------------------
-
-/// visit(height, col, row) for each valid sample of a rectangle within the field.
-template <class Visit>
-void for_each_valid(const HeightField& field, GridRect part, Visit&& visit) {
-  std::visit(
-      [&](auto heights) {
-        for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-          std::size_t i = field.index({part.first.col, row});
-          for (std::int32_t col = part.first.col; col <= part.last.col; ++col, ++i) {
-            if (field.is_valid(i)) visit(static_cast<double>(heights[i]), col, row);
-          }
-        }
-      },
-      field.heights);
-}
-
-/// What a block's own samples are: data or not, a plane near them, their typical height.
-void describe(const HeightField& field, GridRect own, GridPoint centre, TileRecord::Block& block) {
-  double sum = 0, along = 0, down = 0, count = 0;
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for_each_valid(field, own, [&](double h, std::int32_t col, std::int32_t row) {
-    sum += h;
-    along += h * (col - centre.col + 0.5);
-    down += h * (row - centre.row + 0.5);
-    lowest = std::min(lowest, h);
-    highest = std::max(highest, h);
-    ++count;
-  });
-  block.has_data = count > 0;
-  if (!block.has_data) return;
-  double right = 0, south = 0;
-  if (count == kBlockSide * kBlockSide) {  // least squares; a level plane where samples are missing
-    constexpr double kSquares = kBlockSide * (kBlockSide * (kBlockSide * kBlockSide - 1) / 12.0);  // Σ (col − middle)²
-    right = along / kSquares;
-    south = down / kSquares;
-  }
-  const double middle = sum / count + (right + south) / 2;  // the samples' middle is half a cell before the centre
-  block.middle = static_cast<float>(middle);
-  block.right = static_cast<float>(right);
-  block.down = static_cast<float>(south);
-  const double half = lowest + (highest - lowest) / 2;
-  double above = 0, below = 0;
-  block.typical = lowest;
-  for_each_valid(field, own, [&](double h, std::int32_t col, std::int32_t row) {
-    const double on_plane =
-        (static_cast<double>(block.middle) + static_cast<double>(block.right) * (col - centre.col)) +
-        static_cast<double>(block.down) * (row - centre.row);
-    above = std::max(above, h - on_plane);
-    below = std::max(below, on_plane - h);
-    const double now = std::abs(h - half), best = std::abs(block.typical - half);
-    if (now < best || (now == best && h < block.typical)) block.typical = h;
-  });
-  const double rounding = 1e-12 * (1 + std::max(std::abs(lowest), std::abs(highest)) + above + below);
-  block.above = rounded_up(above + rounding);
-  block.below = rounded_up(below + rounding);
-}
-
 // ---- vertices of spacing 64 … 512 --------------------------------------------------------------------
 
 class FarVertices {
@@ -98,7 +33,8 @@ class FarVertices {
   FarVertices(const TileInput& tile, const ErrorInput& input, TileRecord& record)
       : tile_(closed_tile(tile.id)), extent_(tile.extent), input_(input), record_(record) {}
 
-  void run() {
+  /// shapes  of the blocks that own the closed tile's samples
+  void run(std::span<const detail::BlockShape> shapes, GridRect blocks) {
     if (input_.voids != nullptr) find_missing_fills();
     for (std::int32_t s = kBlockSide; s < kTileSide; s *= 2) {
       for (const bool centres : {false, true}) {
@@ -110,7 +46,7 @@ class FarVertices {
     }
     if (halves_.empty()) return;
     std::vector<double> distances(halves_.size());
-    detail::largest_distances(input_.field, cut(tile_, input_.field.extent), halves_, distances);
+    detail::largest_distances(input_.field, shapes, blocks, halves_, distances);
     for (std::size_t i = 0; i < halves_.size(); ++i) {
       const HalfDiamond& t = halves_[i];
       ErrorCode& code = record_.errors[index(t.vertex)];
@@ -141,7 +77,7 @@ class FarVertices {
       for (std::int32_t col = tile_.first.col; col <= tile_.last.col; col += kBlockSide) {
         const GridPoint p{col, row};
         if (!extent_.contains(p) || field.is_valid(field.index(p))) continue;
-        if (!fill_of(field.extent, field.valid, field.heights, p)) record_.holds[index(p)] |= TileRecord::kNoFill;
+        if (!has_data_near(field.extent, field.valid, p)) record_.holds[index(p)] |= TileRecord::kNoFill;
       }
     }
   }
@@ -186,7 +122,7 @@ class FarVertices {
 };
 
 void record_blocks(const TileInput& tile, const ErrorInput& input, const LevelGrid<ErrorCode>& errors,
-                   TileRecord& record) {
+                   std::span<const detail::BlockShape> shapes, TileRecord& record) {
   const GridPoint first = closed_tile(tile.id).first;
   for (std::int32_t y = 0; y < kTileBlocks; ++y) {
     for (std::int32_t x = 0; x < kTileBlocks; ++x) {
@@ -199,10 +135,16 @@ void record_blocks(const TileInput& tile, const ErrorInput& input, const LevelGr
         const Holds holds = input.voids == nullptr ? kData : input.voids->half(centre, side);
         block.holds |= static_cast<std::uint8_t>(holds << (2 * side));
       }
-      const GridRect own{corner, {corner.col + kBlockSide - 1, corner.row + kBlockSide - 1}};
-      block.bits = input.bits == nullptr ? BitRange{0, 15}
-                                         : (*input.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
-      describe(input.field, cut(own, input.field.extent), centre, block);
+      const detail::BlockShape& shape = shapes[static_cast<std::size_t>(y * (kTileBlocks + 1) + x)];
+      const GridPoint at{corner.col >> kBlockShift, corner.row >> kBlockShift};
+      block.bits = input.bits == nullptr ? BitRange{0, 15} : (*input.bits)[at];
+      block.has_data = shape.has_data;
+      block.middle = shape.middle;
+      block.right = shape.right;
+      block.down = shape.down;
+      block.above = shape.above;
+      block.below = shape.below;
+      block.typical = shape.typical;
     }
   }
 }
@@ -247,8 +189,11 @@ TileErrors tile_errors(const TileInput& tile) {
                         {(used.last.col - 1) >> kBlockShift, (used.last.row - 1) >> kBlockShift}},
                        result.errors);
   saturate(input, result.errors);
-  record_blocks(tile, input, result.errors, result.record);
-  FarVertices(tile, input, result.record).run();
+  const GridPoint first{tile.id.x * kTileBlocks, tile.id.y * kTileBlocks};
+  const GridRect blocks{first, {first.col + kTileBlocks, first.row + kTileBlocks}};
+  const std::vector<detail::BlockShape> shapes = detail::block_shapes(input.field, blocks);
+  record_blocks(tile, input, result.errors, shapes, result.record);
+  FarVertices(tile, input, result.record).run(shapes, blocks);
   return result;
 }
 

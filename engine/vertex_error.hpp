@@ -14,14 +14,14 @@
 namespace talus {
 
 /// Longest ground side of a triangle in metres: what the outline of data may be off where one that mixes
-/// data and void stands for it.
+/// data and void stands for it. It follows from the rows and the shape of the triangle, not from its columns.
 using GroundSide = std::function<double(const HalfDiamond&)>;
 
 /// What the errors are computed from. `voids` is null where every sample is data, `bits` where all numbers
 /// are whole and within 16 bits: then nothing rounds.
 struct ErrorInput {
   HeightField field;
-  const VoidMap* voids = nullptr;
+  VoidMap* voids = nullptr;
   const BlockBits* bits = nullptr;
   GroundSide ground_side;  ///< used with voids only
   double void_weight = 1;  ///< metres of error per metre of ground side

@@ -15,7 +15,7 @@
 
 namespace talus {
 
-/// What the finest triangles inside a triangle are. Beyond the extent there are none of either kind.
+/// What the finest triangles inside a triangle are. One that leaves the extent holds nothing: it is never in a mesh.
 enum Holds : std::uint8_t { kNothing = 0, kData = 1, kVoid = 2, kMixed = 3 };
 
 class VoidMap {
@@ -26,6 +26,8 @@ class VoidMap {
   [[nodiscard]] Holds half(GridPoint vertex, int side) const {
     return static_cast<Holds>(halves_[vertex] >> (2 * side) & 3);
   }
+  /// By level: side 0 | side 1 << 2 of every vertex.
+  [[nodiscard]] LevelGrid<std::uint8_t>::Units units(int shift) { return halves_.units(shift); }
   [[nodiscard]] int levels() const { return halves_.levels(); }
   [[nodiscard]] bool holds(GridPoint vertex) const { return halves_.holds(vertex); }
   /// Four bits in the order of apex_triangles: which of them hold data. The vertex is of one of the levels.
@@ -53,8 +55,7 @@ inline constexpr std::int32_t kFillReach = 64;
 void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, GridRect within,
                 Codes& heights);
 
-/// The fill of one void vertex by that rule; none if it has no valid sample within reach.
-[[nodiscard]] std::optional<double> fill_of(GridRect extent, std::span<const std::uint8_t> valid,
-                                            const CodeSpan& heights, GridPoint p);
+/// Whether a void vertex has a valid sample within kFillReach.
+[[nodiscard]] bool has_data_near(GridRect extent, std::span<const std::uint8_t> valid, GridPoint p);
 
 }  // namespace talus

@@ -3,12 +3,15 @@
 #include "engine/tile.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "engine/kernel_choice.hpp"
 #include "engine/saturation.hpp"
+#include "talus/failure.hpp"
 #include "tests/engine/fields.hpp"
 #include "tests/engine/terrains.hpp"
 
@@ -290,6 +293,39 @@ TEST(TileErrors, CarryWhatNoFloatHolds) {
   EXPECT_NE(error_code(20000.001), error_code(20000));
   expect_all_tiles(checkerboard(130, 130, -2147483648.0, 2147483647.0), {0, 0});
   expect_all_tiles(checkerboard(130, 130, -32768, 32767), {0, 0});
+}
+
+/// TALUS_KERNEL while it lives.
+struct ForcedKernel {
+  explicit ForcedKernel(const char* name) { ::setenv("TALUS_KERNEL", name, 1); }
+  ~ForcedKernel() { ::unsetenv("TALUS_KERNEL"); }
+  ForcedKernel(const ForcedKernel&) = delete;
+  ForcedKernel& operator=(const ForcedKernel&) = delete;
+};
+
+TEST(TileErrors, AreTheSameBitsWhicheverKernelRuns) {
+  for (const char* name : {"portable", "avx2", "avx512"}) {
+    SCOPED_TRACE(name);
+    const ForcedKernel forced(name);
+    try {
+      (void)detail::block_kernel();
+    } catch (const Failure&) {
+      continue;  // not on this machine
+    }
+    for (std::uint64_t seed = 1; seed <= 3 * kNumbers; ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      Random random(1000 + seed);
+      const auto numbers = static_cast<Numbers>(seed % kNumbers);
+      expect_all_tiles(random_terrain(random, numbers, random.between(60, 700), random.between(60, 200)),
+                       {random.between(-100, 100), random.between(-100, 100)}, random_step(random));
+      if (HasFailure()) return;
+    }
+  }
+}
+
+TEST(TileErrors, RefuseAKernelThatIsNone) {
+  const ForcedKernel forced("abacus");
+  EXPECT_THROW((void)detail::block_kernel(), Failure);
 }
 
 }  // namespace
