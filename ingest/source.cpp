@@ -140,10 +140,16 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
   return types;
 }
 
-Codes codes_of(Width width, std::size_t samples) {
-  if (width == Width::int16) return std::vector<std::int16_t>(samples);
-  if (width == Width::float32) return std::vector<float>(samples);
-  return std::vector<double>(samples);
+template <class T>
+void resize(Codes& codes, std::size_t samples) {
+  if (!std::holds_alternative<std::vector<T>>(codes)) codes.emplace<std::vector<T>>();
+  std::get<std::vector<T>>(codes).resize(samples);
+}
+
+void resize(Codes& codes, Width width, std::size_t samples) {
+  if (width == Width::int16) return resize<std::int16_t>(codes, samples);
+  if (width == Width::float32) return resize<float>(codes, samples);
+  return resize<double>(codes, samples);
 }
 
 // ---- what is said of inputs --------------------------------------------------------------------------
@@ -304,7 +310,8 @@ void Source::Parts::restore(const Kept<T>& kept, Window& window, std::vector<T>&
       } else if (own.contains({col, row})) {
         ++compared;
         if (kept.codes[i] == codes[to]) continue;
-        const double difference = step.value(static_cast<double>(kept.codes[i])) - step.value(static_cast<double>(codes[to]));
+        const double difference =
+            step.value(static_cast<double>(kept.codes[i])) - step.value(static_cast<double>(codes[to]));
         note_difference({col, row}, std::abs(difference) * description.metres_per_unit, layer);
       }
     }
@@ -324,9 +331,8 @@ void Source::Parts::lay(std::size_t layer, Window& window, std::vector<T>& codes
   for (const GridRect& overlap : overlaps) kept.push_back(keep(window, codes, overlap));
 
   const std::size_t at_first = index_in(window.region, rect.first);
-  const std::vector<std::uint8_t> valid =
-      open->get(index).read(rect, {types.rule, types.step}, codes.data() + at_first,
-                            static_cast<std::size_t>(window.region.cols()));
+  const std::vector<std::uint8_t> valid = open->get(index).read(rect, {types.rule, types.step}, codes.data() + at_first,
+                                                                static_cast<std::size_t>(window.region.cols()));
   set_valid(window, rect, valid);
   for (const Kept<T>& k : kept) restore(k, window, codes, own, layer);
 }
@@ -365,6 +371,12 @@ const std::vector<InputFile>& Source::inputs() const { return parts_->inputs; }
 const std::vector<std::string>& Source::notes() const { return parts_->notes; }
 
 Window Source::read(GridRect part, GridRect own) const {
+  Window window;
+  read_into(window, part, own);
+  return window;
+}
+
+void Source::read_into(Window& window, GridRect part, GridRect own) const {
   const GridRect& extent = parts_->description.extent;
   if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
     throw Failure(
@@ -374,14 +386,19 @@ Window Source::read(GridRect part, GridRect own) const {
                     extent.first.col, extent.last.col, extent.first.row, extent.last.row));
   }
   const auto samples = static_cast<std::size_t>(part.samples());
-  Window window{part, codes_of(parts_->types.width, samples), {}};
+  window.region = part;
+  resize(window.codes, parts_->types.width, samples);
+  window.valid.clear();
   std::vector<GridRect> covered;
   for (const RasterFacts& raster : parts_->rasters) {
     if (meet(raster.place, part)) add_piece(covered, common(raster.place, part));
   }
   std::int64_t area = 0;
   for (const GridRect& piece : covered) area += piece.samples();
-  if (area < part.samples()) window.valid.assign(samples, 0);
+  if (area < part.samples()) {
+    window.valid.assign(samples, 0);
+    std::visit([](auto& codes) { std::fill(codes.begin(), codes.end(), 0); }, window.codes);
+  }
 
   for (std::size_t layer = 0; layer < parts_->order.size(); ++layer) {
     if (!meet(parts_->rasters[parts_->order[layer]].place, part)) continue;
@@ -389,7 +406,6 @@ Window Source::read(GridRect part, GridRect own) const {
   }
   const auto is_data = [](std::uint8_t v) { return v != 0; };
   if (std::all_of(window.valid.begin(), window.valid.end(), is_data)) window.valid.clear();
-  return window;
 }
 
 bool Source::touches(GridRect part) const {
@@ -399,7 +415,8 @@ bool Source::touches(GridRect part) const {
 
 std::optional<double> Source::Parts::height_at(std::size_t raster, GridPoint p) const {
   if (!rasters[raster].place.contains(p)) return std::nullopt;
-  Codes codes = codes_of(types.width, 1);
+  Codes codes;
+  resize(codes, types.width, 1);
   return std::visit(
       [&](auto& one) -> std::optional<double> {
         const auto valid = open->get(raster).read({p, p}, {types.rule, types.step}, one.data(), 1);

@@ -37,11 +37,11 @@ struct Window {
 
 /// Where inputs overlap and both have data.
 struct SeamReport {
-  std::uint64_t compared = 0;   ///< samples
-  std::uint64_t different = 0;  ///< of these
-  double largest_m = 0;         ///< difference
-  GridPoint at;                 ///< of the largest; of several the northernmost, of these the westernmost
-  double x = 0, y = 0;          ///< the same place in the CRS
+  std::uint64_t compared = 0;     ///< samples
+  std::uint64_t different = 0;    ///< of these
+  double largest_m = 0;           ///< difference
+  GridPoint at;                   ///< of the largest; of several the northernmost, of these the westernmost
+  double x = 0, y = 0;            ///< the same place in the CRS
   std::string covered, covering;  ///< the files: the one that lost there, the one whose height was taken
 };
 
@@ -72,6 +72,8 @@ class Source {
   /// fails  invalid_argument: beyond the extent, or a sample that is no height; io: names the file and rows
   /// cost   one read of each input there; memory: the result, GDAL's cache, and once more where inputs overlap
   [[nodiscard]] Window read(GridRect part, GridRect own) const;
+  /// The same into a window that was used before: no new memory where its size is the same.
+  void read_into(Window& window, GridRect part, GridRect own) const;
   [[nodiscard]] Window read(GridRect part) const { return read(part, GridRect{{0, 0}, {-1, -1}}); }
 
   /// An input has samples there; where none does, all is void.
