@@ -36,4 +36,6 @@ void GdalScope::remember(CPLErr severity, CPLErrorNum, const char* words) {
   }
 }
 
+void limit_gdal_cache(std::uint64_t bytes) { GDALSetCacheMax64(static_cast<GIntBig>(bytes)); }
+
 }  // namespace talus

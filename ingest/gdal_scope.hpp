@@ -2,6 +2,7 @@
 // GDAL, kept to this thread and this scope.
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -26,14 +27,19 @@ class GdalScope {
     const char* name;
     const char* value;
   };
-  static constexpr std::array<Setting, 2> kSettings{{
+  static constexpr std::array<Setting, 3> kSettings{{
       {"GDAL_DISABLE_READDIR_ON_OPEN", "TRUE"},  // side files are asked for by name, never listed
       {"GDAL_VRT_ENABLE_PYTHON", "NO"},
+      {"VRT_SHARED_SOURCE", "0"},  // threads share no open file
   }};
   static void CPL_STDCALL remember(CPLErr severity, CPLErrorNum number, const char* words);
 
   std::array<std::optional<std::string>, kSettings.size()> before_;
   std::array<char, 400> words_{};  // fixed: the handler runs inside C frames and must not throw
 };
+
+/// Bytes that GDAL may keep of what it read, over all threads. It belongs to the process: for programs, not for
+/// libraries.
+void limit_gdal_cache(std::uint64_t bytes);
 
 }  // namespace talus

@@ -44,13 +44,15 @@ struct SeamReport {
   double x = 0, y = 0;            ///< the same place in the CRS
   std::string covered, covering;  ///< the files: the one that lost there, the one whose height was taken
 };
+/// Of two sets of samples that do not overlap.
+[[nodiscard]] SeamReport joined(const SeamReport& a, const SeamReport& b);
 
 /// Rasters on one grid become one raster; where they overlap, the later named one wins, or the one with smaller
 /// cells; a void never covers data. Where the options name a target grid, inputs that are not on it are
 /// resampled, and the resampled heights are what every promise is about. Sample (0, 0) is the north-west sample of
 /// the first input, or the grid's.
 ///
-/// Holds a few open files at a time, however many inputs there are. One thread at a time.
+/// Holds a few open files at a time, however many inputs there are. One thread at a time; a clone serves another.
 class Source {
  public:
   /// Looks at every input once.
@@ -60,6 +62,9 @@ class Source {
   ~Source();
   Source(Source&&) noexcept;
   Source& operator=(Source&&) noexcept;
+
+  /// The same inputs with open files and seams of its own: looks at no file again.
+  [[nodiscard]] Source clone() const;
 
   /// Minimum, maximum and void_samples take a pass over the data: they are 0 here, ingest fills them.
   [[nodiscard]] const Description& description() const;
@@ -86,8 +91,12 @@ class Source {
   [[nodiscard]] std::uint64_t checksum(std::size_t input) const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct Plan;
+  struct Reader;
+  Source();
+
+  std::shared_ptr<const Plan> plan_;
+  std::unique_ptr<Reader> reader_;
 };
 
 }  // namespace talus
