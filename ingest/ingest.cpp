@@ -12,7 +12,6 @@
 
 #include "engine/saturation.hpp"
 #include "ingest/ground.hpp"
-#include "ingest/height_step.hpp"
 #include "ingest/pack.hpp"
 #include "ingest/part_file.hpp"
 #include "ingest/source.hpp"
@@ -58,7 +57,6 @@ Heights read(const Source& source, Description& d, const std::function<void(doub
     all.valid.resize(all.codes.size(), 1);
     progress(static_cast<double>(last - d.extent.first.row + 1) / static_cast<double>(d.extent.rows()));
   }
-  d.step = find_height_step(d, all.codes, all.valid);
   d.void_samples = static_cast<std::uint64_t>(std::count(all.valid.begin(), all.valid.end(), 0));
   if (d.void_samples == all.valid.size()) {
     throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest",
