@@ -85,7 +85,8 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
   char* text = nullptr;
   if (node == nullptr || node->exportToWkt(&text) != OGRERR_NONE) {
     CPLFree(text);
-    throw Failure(Cause::unsupported, fmt::format("a vertical coordinate system cannot be understood{}", gdal.reason()));
+    throw Failure(Cause::unsupported,
+                  fmt::format("a vertical coordinate system cannot be understood{}", gdal.reason()));
   }
   OGRSpatialReference vertical;
   const OGRErr understood = vertical.importFromWkt(text);
@@ -95,8 +96,8 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
   const char* high = vertical.GetName();
   const std::string name = fmt::format("{} + {}", flat ? flat : "unnamed", high ? high : "unnamed");
   if (understood != OGRERR_NONE || both.SetCompoundCS(name.c_str(), &target, &vertical) != OGRERR_NONE) {
-    throw Failure(Cause::unsupported, fmt::format("a vertical coordinate system cannot be joined to the target{}",
-                                                  gdal.reason()));
+    throw Failure(Cause::unsupported,
+                  fmt::format("a vertical coordinate system cannot be joined to the target{}", gdal.reason()));
   }
   return wkt_of(both, "the target");
 }

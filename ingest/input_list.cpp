@@ -67,9 +67,10 @@ void add_folder(const fs::path& folder, const std::vector<std::string>& allow_dr
   std::sort(others.begin(), others.end());
   std::sort(left_out.begin(), left_out.end());
   if (!left_out.empty()) {
-    list.notes.push_back(fmt::format("{}: of its rasters {} stay out, being virtual ones beside real ones; name one to "
-                                     "take it",
-                                     folder.string(), some_of(left_out)));
+    list.notes.push_back(
+        fmt::format("{}: of its rasters {} stay out, being virtual ones beside real ones; name one to "
+                    "take it",
+                    folder.string(), some_of(left_out)));
   }
   if (!others.empty()) {
     list.notes.push_back(fmt::format("{}: {} no raster Talus reads: {}", folder.string(),

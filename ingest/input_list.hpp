@@ -14,8 +14,8 @@ struct InputList {
 
 /// Files stand for themselves. A folder stands for the rasters directly in it; where it holds both rasters and
 /// virtual rasters, for the former, because the latter would bring the same data again. "@list.txt" stands for the
-/// files and folders it names, one a line, relative to its own folder; lines that begin with # are comments. A file named twice
-/// counts where it is named last.
+/// files and folders it names, one a line, relative to its own folder; lines that begin with # are comments. A file
+/// named twice counts where it is named last.
 ///
 /// fails  not_found, io; invalid_argument: nothing named, a list or a folder with nothing in it
 [[nodiscard]] InputList list_inputs(const std::vector<std::filesystem::path>& named,

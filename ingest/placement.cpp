@@ -44,9 +44,9 @@ class Comparison {
 
 struct Target {
   GridMapping mapping;
-  std::string crs_wkt;     // heights included
-  std::string flat_wkt;    // without
-  std::string whose;       // the grid is, in failures
+  std::string crs_wkt;   // heights included
+  std::string flat_wkt;  // without
+  std::string whose;     // the grid is, in failures
   double metres_per_unit;
   std::string vertical_unit;
 };
@@ -73,9 +73,7 @@ GridMapping cells_for(const RasterFacts& first, const std::string& flat_wkt, boo
   return m;
 }
 
-std::string flat(const std::string& wkt) {
-  return wkt.empty() ? wkt : wkt_of(horizontal(crs_from(wkt)), "the target");
-}
+std::string flat(const std::string& wkt) { return wkt.empty() ? wkt : wkt_of(horizontal(crs_from(wkt)), "the target"); }
 
 Target target_of(const std::vector<RasterFacts>& rasters, const InputOptions& options) {
   const RasterFacts& first = rasters.front();
@@ -89,9 +87,10 @@ Target target_of(const std::vector<RasterFacts>& rasters, const InputOptions& op
   if (!options.target_srs.empty()) {
     const OGRSpatialReference asked = crs_from(wkt_of(options.target_srs, "--t-srs"));
     if (first.crs_wkt.empty()) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} states no coordinate system and cannot be taken to that of --t-srs; --srs gives one",
-                                first.name));
+      throw Failure(
+          Cause::unsupported,
+          fmt::format("{} states no coordinate system and cannot be taken to that of --t-srs; --srs gives one",
+                      first.name));
     }
     const OGRSpatialReference own = crs_from(first.crs_wkt);
     if (has_heights(asked) ? !same_heights(asked, own) : has_heights(own) && own.IsCompound() == 0) {
@@ -117,10 +116,11 @@ std::optional<GridRect> place_on(const GridMapping& grid, const RasterFacts& ras
   if (!(off + drift <= kOnTheGrid)) return std::nullopt;
   constexpr double kFar = kMaxExtent;
   if (std::abs(col) > kFar || std::abs(row) > kFar) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} lies {} columns and {} rows away from the first sample of its grid; at most {} a side "
-                              "can be taken in",
-                              raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{} lies {} columns and {} rows away from the first sample of its grid; at most {} a side "
+                    "can be taken in",
+                    raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent));
   }
   const GridPoint at{static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
   return GridRect{at, {at.col + raster.cols - 1, at.row + raster.rows - 1}};
@@ -149,18 +149,19 @@ void require_same_heights(const RasterFacts& raster, const Target& target) {
       "--t-srs, --tr and --resampling put all inputs on one grid, --grid-of on that of a database";
   if (!raster.is_placed || raster.crs_wkt.empty() != target.crs_wkt.empty()) {
     const bool is_target = raster.is_placed && !raster.crs_wkt.empty();
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} states no {}, {} does; {}", is_target ? target.whose : raster.name,
-                              raster.is_placed ? "coordinate system" : "position",
-                              is_target ? raster.name : target.whose,
-                              raster.is_placed ? "--srs gives one" : "it cannot be joined with others"));
+    throw Failure(
+        Cause::unsupported,
+        fmt::format("{} states no {}, {} does; {}", is_target ? target.whose : raster.name,
+                    raster.is_placed ? "coordinate system" : "position", is_target ? raster.name : target.whose,
+                    raster.is_placed ? "--srs gives one" : "it cannot be joined with others"));
   }
   if (!is_same_crs) {
-    throw Failure(Cause::unsupported, fmt::format("{} is in another coordinate system than {}; {}", raster.name,
-                                                  target.whose, kWays));
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is in another coordinate system than {}; {}", raster.name, target.whose, kWays));
   }
-  throw Failure(Cause::unsupported, fmt::format("{} has cells of {}, {} of {}: not one grid; {}", raster.name,
-                                                cells_of(raster.mapping), target.whose, cells_of(target.mapping), kWays));
+  throw Failure(Cause::unsupported,
+                fmt::format("{} has cells of {}, {} of {}: not one grid; {}", raster.name, cells_of(raster.mapping),
+                            target.whose, cells_of(target.mapping), kWays));
 }
 
 // ---- the antimeridian ------------------------------------------------------------------------------
@@ -196,12 +197,13 @@ void join_across_antimeridian(std::vector<RasterFacts>& rasters, const Target& t
 
   // The widest gap lies before the raster that the line begins with.
   std::size_t begin = 0;
-  std::int64_t widest = -1, reached = 0;
+  std::int64_t widest = -1, reached = -turn;
   for (const Lying& l : all) reached = std::max(reached, on_circle(l) + l.last - l.first - turn);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (const std::int64_t gap = on_circle(all[i]) - reached; gap > widest) widest = gap, begin = i;
     reached = std::max(reached, on_circle(all[i]) + all[i].last - all[i].first);
   }
+  if (widest <= 1) return;  // they go all the way round
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(begin), all.end());
   std::int64_t lap = 0, before = -1, anchor_turns = 0;
   for (Lying& l : all) {
@@ -221,7 +223,9 @@ void join_across_antimeridian(std::vector<RasterFacts>& rasters, const Target& t
   std::size_t moved = 0;
   for (Lying& l : all) {
     l.turns -= anchor_turns;
-    if (l.turns != 0 && (std::abs(l.first + l.turns * turn) > kMaxExtent || std::abs(l.last + l.turns * turn) > kMaxExtent)) return;
+    if (l.turns != 0 &&
+        (std::abs(l.first + l.turns * turn) > kMaxExtent || std::abs(l.last + l.turns * turn) > kMaxExtent))
+      return;
   }
   const std::string* name = nullptr;
   for (const Lying& l : all) {
@@ -242,7 +246,13 @@ Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOption
   const bool may_resample = asks_for_resampling(options);
   if (!may_resample) require_own_grid(rasters.front());
   Placement placement;
-  const Target target = target_of(rasters, options);
+  Target target = target_of(rasters, options);
+  if (!options.grid && !(target.mapping == rasters.front().mapping)) {
+    // A grid made for the occasion begins with the first input's first sample.
+    const GridPoint first = plan_warp(rasters.front(), target.flat_wkt, target.mapping, method).place.first;
+    target.mapping.x0 = target.mapping.x(first.col);
+    target.mapping.y0 = target.mapping.y(first.row);
+  }
   Comparison is_same(target.crs_wkt), is_same_flat(target.flat_wkt);
   std::map<std::string, bool> heights_checked;
   for (RasterFacts& raster : rasters) {
@@ -275,11 +285,11 @@ Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOption
   const std::int64_t cols = east - west + 1, rows = south - north + 1;
   if (west < -kMaxExtent || north < -kMaxExtent || east > kMaxExtent || south > kMaxExtent || cols > kMaxExtent ||
       rows > kMaxExtent || cols > kMostSamples / rows) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{}{} {} x {} samples; at most {} a side and {} in all can be taken in",
-                              rasters.front().name,
-                              rasters.size() == 1 ? " is" : fmt::format(" and {} more inputs span", rasters.size() - 1),
-                              cols, rows, kMaxExtent, kMostSamples));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{}{} {} x {} samples; at most {} a side and {} in all can be taken in", rasters.front().name,
+                    rasters.size() == 1 ? " is" : fmt::format(" and {} more span", rasters.size() - 1), cols, rows,
+                    kMaxExtent, kMostSamples));
   }
   placement.mapping = target.mapping;
   placement.extent = {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},

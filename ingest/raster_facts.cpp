@@ -1,12 +1,12 @@
 #include "ingest/raster_facts.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "engine/grid.hpp"
 #include "ingest/crs.hpp"
@@ -55,9 +55,8 @@ void take_size(GDALDatasetH dataset, RasterFacts& facts) {
   facts.cols = GDALGetRasterXSize(dataset);
   facts.rows = GDALGetRasterYSize(dataset);
   if (facts.cols < 1 || facts.rows < 1 || facts.cols > kMaxExtent || facts.rows > kMaxExtent) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} is {} x {} samples; from 1 to {} a side can be taken in", facts.name, facts.cols,
-                              facts.rows, kMaxExtent));
+    throw Failure(Cause::invalid_argument, fmt::format("{} is {} x {} samples; from 1 to {} a side can be taken in",
+                                                       facts.name, facts.cols, facts.rows, kMaxExtent));
   }
 }
 
@@ -217,21 +216,20 @@ DatasetOwner open_dataset(const RasterFacts& facts) {
   DatasetOwner dataset{
       GDALOpenEx(facts.file.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr)};
   if (!dataset) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("cannot open {} as {}{}", facts.name, facts.driver, gdal.reason()));
+    throw Failure(Cause::unsupported, fmt::format("cannot open {} as {}{}", facts.name, facts.driver, gdal.reason()));
   }
   return dataset;
 }
 
 RasterFacts look_at(const fs::path& file, const InputOptions& options) {
-  const AdmittedRaster admitted = admit_raster(file, options.allow_drivers);
+  AdmittedRaster admitted = admit_raster(file, options.allow_drivers);
   RasterFacts facts;
   facts.file = admitted.file;
   facts.name = file.string();
   facts.driver = admitted.driver;
   take_file(facts);
   GdalScope gdal;
-  const DatasetOwner owner = open_dataset(facts);
+  const DatasetOwner owner = admitted.dataset ? std::move(admitted.dataset) : open_dataset(facts);  // which says why
   GDALDatasetH dataset = owner.get();
   const int bands = GDALGetRasterCount(dataset);
   if (bands < 1) {

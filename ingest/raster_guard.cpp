@@ -30,9 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Local files that hold elevation. Drivers that fetch, run or bundle other things stay out.
-constexpr std::array<const char*, 15> kDrivers{"GTiff",   "VRT",  "SRTMHGT", "AAIGrid", "EHdr",
-                                               "ENVI",    "BT",   "USGSDEM", "HFA",     "DTED",
-                                               "netCDF",  "PNG",  "GSAG",    "GSBG",    "GS7BG"};
+constexpr std::array<const char*, 15> kDrivers{"GTiff", "VRT",  "SRTMHGT", "AAIGrid", "EHdr", "ENVI", "BT",   "USGSDEM",
+                                               "HFA",   "DTED", "netCDF",  "PNG",     "GSAG", "GSBG", "GS7BG"};
 constexpr std::string_view kFormats =
     "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, "
     "netCDF, PNG, Surfer grids";
@@ -93,9 +92,9 @@ class Guard {
     for (const std::string& name : allow_drivers) {
       GDALDriverH driver = GDALGetDriverByName(name.c_str());
       if (driver == nullptr) {
-        throw Failure(Cause::invalid_argument,
-                      fmt::format("--allow-driver {}: GDAL has no such driver here (gdalinfo --formats lists them)",
-                                  name));
+        throw Failure(
+            Cause::invalid_argument,
+            fmt::format("--allow-driver {}: GDAL has no such driver here (gdalinfo --formats lists them)", name));
       }
       drivers_.push_back(GDALGetDriverShortName(driver));
     }
@@ -112,8 +111,7 @@ class Guard {
     const std::string driver = identify(real);
     seen_.insert(real);
     if (driver == "VRT") check_vrt(real);
-    check_side_files(real, driver);
-    return {real, driver};
+    return {real, driver, check_side_files(real, driver)};
   }
 
  private:
@@ -121,8 +119,9 @@ class Guard {
     GDALDriverH driver = driver_of(file);
     if (driver == nullptr) {
       GDALDriverH other = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr);
-      const std::string way = other == nullptr ? "" : fmt::format("; --allow-driver {} takes it nevertheless",
-                                                                  GDALGetDriverShortName(other));
+      const std::string way =
+          other == nullptr ? ""
+                           : fmt::format("; --allow-driver {} takes it nevertheless", GDALGetDriverShortName(other));
       throw Failure(Cause::unsupported,
                     fmt::format("{} is not a raster Talus reads ({}){}", file.string(), kFormats, way));
     }
@@ -148,19 +147,20 @@ class Guard {
 
   // GDAL opens masks and overviews beside a file with any driver, and an overview file that the
   // metadata names from anywhere.
-  void check_side_files(const fs::path& file, const std::string& driver) {
+  DatasetOwner check_side_files(const fs::path& file, const std::string& driver) {
     for (const char* ending : {".msk", ".MSK", ".ovr", ".OVR"}) {
       const fs::path side = file.string() + ending;
       if (std::error_code error; fs::exists(side, error)) admit_inner(side);
     }
     const std::array<const char*, 2> only{driver.c_str(), nullptr};
-    const DatasetOwner dataset{GDALOpenEx(file.c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
+    DatasetOwner dataset{GDALOpenEx(file.c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
       throw Failure(Cause::unsupported,
                     fmt::format("{} names a separate overview file, which Talus does not follow; copy it with "
                                 "gdal_translate first",
                                 file.string()));
     }
+    return dataset;
   }
 
   void check_vrt(const fs::path& vrt) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "ingest/gdal_handles.hpp"
+
 namespace talus {
 
 /// Says yes to a raster file before GDAL believes it, so that opening it touches nothing but local
@@ -16,6 +18,7 @@ namespace talus {
 struct AdmittedRaster {
   std::filesystem::path file;  ///< absolute, symbolic links resolved: what is to be opened
   std::string driver;          ///< the one GDAL driver to open it with
+  DatasetOwner dataset;        ///< opened to be looked at; null where GDAL could not
 };
 
 /// allow_drivers  GDAL drivers the user vouches for, beyond the list

@@ -21,8 +21,8 @@ constexpr GDALDataType kGdalType = std::is_same_v<T, std::int16_t> ? GDT_Int16
                                                                    : GDT_Float64;
 // As wide as T, so that comparisons stay in their lanes.
 template <class T>
-using Bits = std::conditional_t<sizeof(T) == 2, std::int16_t,
-                                std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>>;
+using Bits =
+    std::conditional_t<sizeof(T) == 2, std::int16_t, std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>>;
 
 /// A rectangle of samples somewhere in a larger one.
 template <class T>
@@ -57,8 +57,8 @@ RawRule<T> raw_rule(const RasterFacts& facts, const Coding& coding) {
   const double largest = kLargestHeight / facts.metres_per_unit * (1 - 1e-9);
   const double a = (-largest - offset) / scale, b = (largest - offset) / scale;
   const auto held = [](double v) {
-    return static_cast<T>(std::clamp(std::trunc(v), double{std::numeric_limits<T>::lowest()},
-                                     double{std::numeric_limits<T>::max()}));
+    return static_cast<T>(
+        std::clamp(std::trunc(v), double{std::numeric_limits<T>::lowest()}, double{std::numeric_limits<T>::max()}));
   };
   rule.low = held(std::min(a, b));
   rule.high = held(std::max(a, b));
@@ -173,13 +173,13 @@ std::vector<std::uint8_t> RasterSource::read(GridRect part, const Coding& coding
       if (ok[c] == 0 || (coding.rule == Coding::Rule::raw && row[c] >= rule.low && row[c] <= rule.high)) continue;
       const double value = value_of(static_cast<double>(row[c]));
       if (!(std::abs(value) <= largest)) {
-        throw Failure(Cause::invalid_argument,
-                      fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down); "
-                                  "if it means no data, declare it: gdal_translate -a_nodata",
-                                  facts_.name, value, facts_.vertical_unit,
-                                  part.first.col - facts_.place.first.col + static_cast<std::int64_t>(c),
-                                  part.first.row - facts_.place.first.row + static_cast<std::int64_t>(r),
-                                  kLargestHeight));
+        throw Failure(
+            Cause::invalid_argument,
+            fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down); "
+                        "if it means no data, declare it: gdal_translate -a_nodata",
+                        facts_.name, value, facts_.vertical_unit,
+                        part.first.col - facts_.place.first.col + static_cast<std::int64_t>(c),
+                        part.first.row - facts_.place.first.row + static_cast<std::int64_t>(r), kLargestHeight));
       }
       if (coding.rule == Coding::Rule::value) row[c] = static_cast<T>(value);
       if (coding.rule == Coding::Rule::rounded) {

@@ -140,10 +140,16 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
   return types;
 }
 
-Codes codes_of(Width width, std::size_t samples) {
-  if (width == Width::int16) return std::vector<std::int16_t>(samples);
-  if (width == Width::float32) return std::vector<float>(samples);
-  return std::vector<double>(samples);
+template <class T>
+void resize(Codes& codes, std::size_t samples) {
+  if (!std::holds_alternative<std::vector<T>>(codes)) codes.emplace<std::vector<T>>();
+  std::get<std::vector<T>>(codes).resize(samples);
+}
+
+void resize(Codes& codes, Width width, std::size_t samples) {
+  if (width == Width::int16) return resize<std::int16_t>(codes, samples);
+  if (width == Width::float32) return resize<float>(codes, samples);
+  return resize<double>(codes, samples);
 }
 
 // ---- what is said of inputs --------------------------------------------------------------------------
@@ -221,15 +227,21 @@ struct Kept {
 
 }  // namespace
 
-struct Source::Parts {
+/// What is known of all inputs, the same for every reader of them.
+struct Source::Plan {
   Description description;
   Types types;
   std::vector<RasterFacts> rasters;
   std::vector<std::size_t> order;  // the last is on top
   std::vector<InputFile> inputs;
   std::vector<std::string> notes;
-  mutable std::optional<OpenRasters> open;
+};
 
+struct Source::Reader {
+  explicit Reader(const Plan& p) : plan(p), open(p.rasters) {}
+
+  const Plan& plan;
+  mutable OpenRasters open;
   mutable std::uint64_t compared = 0, different = 0;
   mutable double largest_m = 0;
   mutable GridPoint at{};
@@ -279,20 +291,20 @@ Kept<T> keep(const Window& window, const std::vector<T>& codes, GridRect rect) {
 
 }  // namespace
 
-void Source::Parts::note_difference(GridPoint p, double metres, std::size_t layer) const {
-  ++different;
-  const bool earlier = p.row < at.row || (p.row == at.row && p.col < at.col);
-  if (metres < largest_m || (metres == largest_m && !earlier)) return;
+void Source::Reader::note_difference(GridPoint p, double metres, std::size_t layer) const {
+  const bool is_first = different++ == 0;
+  const bool is_earlier = p.row < at.row || (p.row == at.row && p.col < at.col);
+  if (!is_first && (metres < largest_m || (metres == largest_m && !is_earlier))) return;
   largest_m = metres;
   at = p;
-  covering = order[layer];
+  covering = plan.order[layer];
 }
 
 /// Where the raster just laid down is void the earlier height returns; where both are data they are compared.
 template <class T>
-void Source::Parts::restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own,
-                            std::size_t layer) const {
-  const HeightStep& step = types.step;
+void Source::Reader::restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own,
+                             std::size_t layer) const {
+  const HeightStep& step = plan.types.step;
   std::size_t i = 0;
   for (std::int32_t row = kept.region.first.row; row <= kept.region.last.row; ++row) {
     std::size_t to = index_in(window.region, {kept.region.first.col, row});
@@ -304,20 +316,21 @@ void Source::Parts::restore(const Kept<T>& kept, Window& window, std::vector<T>&
       } else if (own.contains({col, row})) {
         ++compared;
         if (kept.codes[i] == codes[to]) continue;
-        const double difference = step.value(static_cast<double>(kept.codes[i])) - step.value(static_cast<double>(codes[to]));
-        note_difference({col, row}, std::abs(difference) * description.metres_per_unit, layer);
+        const double difference =
+            step.value(static_cast<double>(kept.codes[i])) - step.value(static_cast<double>(codes[to]));
+        note_difference({col, row}, std::abs(difference) * plan.description.metres_per_unit, layer);
       }
     }
   }
 }
 
 template <class T>
-void Source::Parts::lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const {
-  const std::size_t index = order[layer];
-  const GridRect rect = common(rasters[index].place, window.region);
+void Source::Reader::lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const {
+  const std::size_t index = plan.order[layer];
+  const GridRect rect = common(plan.rasters[index].place, window.region);
   std::vector<GridRect> overlaps;
   for (std::size_t below = 0; below < layer; ++below) {
-    const GridRect other = rasters[order[below]].place;
+    const GridRect other = plan.rasters[plan.order[below]].place;
     if (meet(other, rect)) add_piece(overlaps, common(other, rect));
   }
   std::vector<Kept<T>> kept;
@@ -325,111 +338,143 @@ void Source::Parts::lay(std::size_t layer, Window& window, std::vector<T>& codes
 
   const std::size_t at_first = index_in(window.region, rect.first);
   const std::vector<std::uint8_t> valid =
-      open->get(index).read(rect, {types.rule, types.step}, codes.data() + at_first,
-                            static_cast<std::size_t>(window.region.cols()));
+      open.get(index).read(rect, {plan.types.rule, plan.types.step}, codes.data() + at_first,
+                           static_cast<std::size_t>(window.region.cols()));
   set_valid(window, rect, valid);
   for (const Kept<T>& k : kept) restore(k, window, codes, own, layer);
 }
 
-Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options) : parts_(std::make_unique<Parts>()) {
+Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options) {
   InputList list = list_inputs(inputs, options.allow_drivers);
-  Parts& parts = *parts_;
-  parts.notes = std::move(list.notes);
-  for (const fs::path& file : list.files) parts.rasters.push_back(look_at(file, options));
+  const auto made = std::make_shared<Plan>();
+  Plan& plan = *made;
+  plan.notes = std::move(list.notes);
+  for (const fs::path& file : list.files) plan.rasters.push_back(look_at(file, options));
 
-  const Placement placement = place_on_one_grid(parts.rasters, options);
-  parts.types = types_of(parts.rasters, options);
-  parts.order = order_of(parts.rasters, options.priority_resolution);
-  parts.open.emplace(parts.rasters);
-  gather_notes(parts.rasters, parts.notes);
-  parts.notes.insert(parts.notes.end(), placement.notes.begin(), placement.notes.end());
-  for (const RasterFacts& raster : parts.rasters) parts.inputs.push_back(as_input(raster));
+  const Placement placement = place_on_one_grid(plan.rasters, options);
+  plan.types = types_of(plan.rasters, options);
+  plan.order = order_of(plan.rasters, options.priority_resolution);
+  gather_notes(plan.rasters, plan.notes);
+  plan.notes.insert(plan.notes.end(), placement.notes.begin(), placement.notes.end());
+  for (const RasterFacts& raster : plan.rasters) plan.inputs.push_back(as_input(raster));
 
-  Description& d = parts.description;
+  Description& d = plan.description;
   d.extent = placement.extent;
   d.mapping = placement.mapping;
   d.crs_wkt = placement.crs_wkt;
-  d.source_name = name_of(parts.rasters);
-  d.source_type = parts.types.source_type;
-  d.vertical_unit = parts.rasters.front().vertical_unit;
-  d.metres_per_unit = parts.rasters.front().metres_per_unit;
-  d.step = parts.types.step;
+  d.source_name = name_of(plan.rasters);
+  d.source_type = plan.types.source_type;
+  d.vertical_unit = plan.rasters.front().vertical_unit;
+  d.metres_per_unit = plan.rasters.front().metres_per_unit;
+  d.step = plan.types.step;
+  plan_ = made;
+  reader_ = std::make_unique<Reader>(*plan_);
 }
 
+Source Source::clone() const {
+  Source other;
+  other.plan_ = plan_;
+  other.reader_ = std::make_unique<Reader>(*plan_);
+  return other;
+}
+
+Source::Source() = default;
 Source::~Source() = default;
 Source::Source(Source&&) noexcept = default;
 Source& Source::operator=(Source&&) noexcept = default;
 
-const Description& Source::description() const { return parts_->description; }
-const std::vector<InputFile>& Source::inputs() const { return parts_->inputs; }
-const std::vector<std::string>& Source::notes() const { return parts_->notes; }
+const Description& Source::description() const { return plan_->description; }
+const std::vector<InputFile>& Source::inputs() const { return plan_->inputs; }
+const std::vector<std::string>& Source::notes() const { return plan_->notes; }
 
 Window Source::read(GridRect part, GridRect own) const {
-  const GridRect& extent = parts_->description.extent;
+  Window window;
+  read_into(window, part, own);
+  return window;
+}
+
+void Source::read_into(Window& window, GridRect part, GridRect own) const {
+  const GridRect& extent = plan_->description.extent;
   if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
     throw Failure(
         Cause::invalid_argument,
         fmt::format("columns {} to {}, rows {} to {} are not a part of {}, which has columns {} to {}, rows {} to {}",
-                    part.first.col, part.last.col, part.first.row, part.last.row, parts_->description.source_name,
+                    part.first.col, part.last.col, part.first.row, part.last.row, plan_->description.source_name,
                     extent.first.col, extent.last.col, extent.first.row, extent.last.row));
   }
   const auto samples = static_cast<std::size_t>(part.samples());
-  Window window{part, codes_of(parts_->types.width, samples), {}};
+  window.region = part;
+  resize(window.codes, plan_->types.width, samples);
+  window.valid.clear();
   std::vector<GridRect> covered;
-  for (const RasterFacts& raster : parts_->rasters) {
+  for (const RasterFacts& raster : plan_->rasters) {
     if (meet(raster.place, part)) add_piece(covered, common(raster.place, part));
   }
   std::int64_t area = 0;
   for (const GridRect& piece : covered) area += piece.samples();
-  if (area < part.samples()) window.valid.assign(samples, 0);
+  if (area < part.samples()) {
+    window.valid.assign(samples, 0);
+    std::visit([](auto& codes) { std::fill(codes.begin(), codes.end(), 0); }, window.codes);
+  }
 
-  for (std::size_t layer = 0; layer < parts_->order.size(); ++layer) {
-    if (!meet(parts_->rasters[parts_->order[layer]].place, part)) continue;
-    std::visit([&](auto& codes) { parts_->lay(layer, window, codes, own); }, window.codes);
+  for (std::size_t layer = 0; layer < plan_->order.size(); ++layer) {
+    if (!meet(plan_->rasters[plan_->order[layer]].place, part)) continue;
+    std::visit([&](auto& codes) { reader_->lay(layer, window, codes, own); }, window.codes);
   }
   const auto is_data = [](std::uint8_t v) { return v != 0; };
   if (std::all_of(window.valid.begin(), window.valid.end(), is_data)) window.valid.clear();
-  return window;
 }
 
 bool Source::touches(GridRect part) const {
-  return std::any_of(parts_->rasters.begin(), parts_->rasters.end(),
+  return std::any_of(plan_->rasters.begin(), plan_->rasters.end(),
                      [&](const RasterFacts& raster) { return meet(raster.place, part); });
 }
 
-std::optional<double> Source::Parts::height_at(std::size_t raster, GridPoint p) const {
-  if (!rasters[raster].place.contains(p)) return std::nullopt;
-  Codes codes = codes_of(types.width, 1);
+std::optional<double> Source::Reader::height_at(std::size_t raster, GridPoint p) const {
+  if (!plan.rasters[raster].place.contains(p)) return std::nullopt;
+  Codes codes;
+  resize(codes, plan.types.width, 1);
   return std::visit(
       [&](auto& one) -> std::optional<double> {
-        const auto valid = open->get(raster).read({p, p}, {types.rule, types.step}, one.data(), 1);
+        const auto valid = open.get(raster).read({p, p}, {plan.types.rule, plan.types.step}, one.data(), 1);
         if (!valid.empty()) return std::nullopt;
-        return types.step.value(static_cast<double>(one.front()));
+        return plan.types.step.value(static_cast<double>(one.front()));
       },
       codes);
 }
 
 SeamReport Source::seams() const {
-  const Parts& parts = *parts_;
+  const Reader& reader = *reader_;
+  const Plan& plan = *plan_;
   SeamReport report;
-  report.compared = parts.compared;
-  report.different = parts.different;
-  report.largest_m = parts.largest_m;
-  report.at = parts.at;
-  report.x = parts.description.mapping.x(report.at.col);
-  report.y = parts.description.mapping.y(report.at.row);
+  report.compared = reader.compared;
+  report.different = reader.different;
   if (report.different == 0) return report;
-  report.covering = parts.inputs[parts.covering].name;
-  const auto layer = std::find(parts.order.begin(), parts.order.end(), parts.covering) - parts.order.begin();
+  report.largest_m = reader.largest_m;
+  report.at = reader.at;
+  report.x = plan.description.mapping.x(report.at.col);
+  report.y = plan.description.mapping.y(report.at.row);
+  report.covering = plan.inputs[reader.covering].name;
+  const auto layer = std::find(plan.order.begin(), plan.order.end(), reader.covering) - plan.order.begin();
   for (std::ptrdiff_t below = layer - 1; below >= 0 && report.covered.empty(); --below) {
-    const std::size_t raster = parts.order[static_cast<std::size_t>(below)];
-    if (parts.height_at(raster, report.at)) report.covered = parts.inputs[raster].name;
+    const std::size_t raster = plan.order[static_cast<std::size_t>(below)];
+    if (reader.height_at(raster, report.at)) report.covered = plan.inputs[raster].name;
   }
   return report;
 }
 
+SeamReport joined(const SeamReport& a, const SeamReport& b) {
+  const auto is_earlier = [](GridPoint p, GridPoint q) { return p.row < q.row || (p.row == q.row && p.col < q.col); };
+  const bool b_leads = a.different == 0 || b.largest_m > a.largest_m ||
+                       (b.different != 0 && b.largest_m == a.largest_m && is_earlier(b.at, a.at));
+  SeamReport both = b_leads ? b : a;
+  both.compared = a.compared + b.compared;
+  both.different = a.different + b.different;
+  return both;
+}
+
 std::uint64_t Source::checksum(std::size_t input) const {
-  const RasterFacts& raster = parts_->rasters.at(input);
+  const RasterFacts& raster = plan_->rasters.at(input);
   std::vector<fs::path> files;
   {
     GdalScope gdal;

@@ -37,20 +37,22 @@ struct Window {
 
 /// Where inputs overlap and both have data.
 struct SeamReport {
-  std::uint64_t compared = 0;   ///< samples
-  std::uint64_t different = 0;  ///< of these
-  double largest_m = 0;         ///< difference
-  GridPoint at;                 ///< of the largest; of several the northernmost, of these the westernmost
-  double x = 0, y = 0;          ///< the same place in the CRS
+  std::uint64_t compared = 0;     ///< samples
+  std::uint64_t different = 0;    ///< of these
+  double largest_m = 0;           ///< difference
+  GridPoint at;                   ///< of the largest; of several the northernmost, of these the westernmost
+  double x = 0, y = 0;            ///< the same place in the CRS
   std::string covered, covering;  ///< the files: the one that lost there, the one whose height was taken
 };
+/// Of two sets of samples that do not overlap.
+[[nodiscard]] SeamReport joined(const SeamReport& a, const SeamReport& b);
 
 /// Rasters on one grid become one raster; where they overlap, the later named one wins, or the one with smaller
 /// cells; a void never covers data. Where the options name a target grid, inputs that are not on it are
 /// resampled, and the resampled heights are what every promise is about. Sample (0, 0) is the north-west sample of
 /// the first input, or the grid's.
 ///
-/// Holds a few open files at a time, however many inputs there are. One thread at a time.
+/// Holds a few open files at a time, however many inputs there are. One thread at a time; a clone serves another.
 class Source {
  public:
   /// Looks at every input once.
@@ -60,6 +62,9 @@ class Source {
   ~Source();
   Source(Source&&) noexcept;
   Source& operator=(Source&&) noexcept;
+
+  /// The same inputs with open files and seams of its own: looks at no file again.
+  [[nodiscard]] Source clone() const;
 
   /// Minimum, maximum and void_samples take a pass over the data: they are 0 here, ingest fills them.
   [[nodiscard]] const Description& description() const;
@@ -72,6 +77,8 @@ class Source {
   /// fails  invalid_argument: beyond the extent, or a sample that is no height; io: names the file and rows
   /// cost   one read of each input there; memory: the result, GDAL's cache, and once more where inputs overlap
   [[nodiscard]] Window read(GridRect part, GridRect own) const;
+  /// The same into a window that was used before: no new memory where its size is the same.
+  void read_into(Window& window, GridRect part, GridRect own) const;
   [[nodiscard]] Window read(GridRect part) const { return read(part, GridRect{{0, 0}, {-1, -1}}); }
 
   /// An input has samples there; where none does, all is void.
@@ -84,8 +91,12 @@ class Source {
   [[nodiscard]] std::uint64_t checksum(std::size_t input) const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct Plan;
+  struct Reader;
+  Source();
+
+  std::shared_ptr<const Plan> plan_;
+  std::unique_ptr<Reader> reader_;
 };
 
 }  // namespace talus

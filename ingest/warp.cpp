@@ -75,9 +75,8 @@ Suggestion suggestion_of(const RasterFacts& facts, const std::string& source_crs
   const DatasetOwner source = open_dataset(facts);
   const Transformer transformer = transformer_of(source.get(), facts, source_crs, target_crs, gdal);
   Suggestion suggestion;
-  if (GDALSuggestedWarpOutput2(source.get(), GDALGenImgProjTransform, transformer.get(),
-                               suggestion.geotransform.data(), &suggestion.cols, &suggestion.rows,
-                               suggestion.extent.data(), 0) != CE_None) {
+  if (GDALSuggestedWarpOutput2(source.get(), GDALGenImgProjTransform, transformer.get(), suggestion.geotransform.data(),
+                               &suggestion.cols, &suggestion.rows, suggestion.extent.data(), 0) != CE_None) {
     refuse(facts, gdal);
   }
   return suggestion;
@@ -85,8 +84,8 @@ Suggestion suggestion_of(const RasterFacts& facts, const std::string& source_crs
 
 GDALDataType type_of_result(const RasterFacts& facts, GDALResampleAlg method) {
   if (method == GRA_NearestNeighbour) return facts.type;
-  const bool fits_float = facts.type == GDT_Byte || facts.type == GDT_Int16 || facts.type == GDT_UInt16 ||
-                          facts.type == GDT_Float32;
+  const bool fits_float =
+      facts.type == GDT_Byte || facts.type == GDT_Int16 || facts.type == GDT_UInt16 || facts.type == GDT_Float32;
   return fits_float ? GDT_Float32 : GDT_Float64;
 }
 
@@ -136,8 +135,9 @@ Warp plan_warp(const RasterFacts& facts, const std::string& target_crs, const Gr
                               facts.name, west, east, north, south, kMaxExtent));
   }
   if (west > east || north > south) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} is smaller than a cell of the target grid: choose smaller cells with --tr", facts.name));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{} is smaller than a cell of the target grid: choose smaller cells with --tr", facts.name));
   }
   warp.place = {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
                 {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};
@@ -188,8 +188,7 @@ DatasetOwner warp_dataset(GDALDatasetH source, const RasterFacts& facts) {
   DatasetOwner warped{GDALCreateWarpedVRT(source, cols, rows, geotransform.data(), options.get())};
   if (!warped) refuse(facts, gdal);
   static_cast<void>(transformer.release());
-  if (GDALGetRasterCount(warped.get()) != 2 ||
-      GDALGetRasterDataType(GDALGetRasterBand(warped.get(), 1)) != warp.type) {
+  if (GDALGetRasterCount(warped.get()) != 2 || GDALGetRasterDataType(GDALGetRasterBand(warped.get(), 1)) != warp.type) {
     refuse(facts, gdal);
   }
   return warped;

@@ -17,14 +17,19 @@
 #include <gtest/gtest.h>
 
 #include "talus/failure.hpp"
+#include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace talus {
 namespace {
 
+using support::all_codes;
+using support::failure_of;
+using support::open;
 using support::RasterOptions;
 using support::SampleType;
+using support::spelled;
 using support::TempFolder;
 using support::Terrain;
 using support::write_raster;
@@ -34,32 +39,6 @@ using ::testing::HasSubstr;
 // 3 x 2, all different: 0 1 2 / 3 4 5
 Terrain counting() {
   return support::surface(3, 2, [](int col, int row) { return 3 * row + col; });
-}
-
-Source open(const std::filesystem::path& file) { return Source{{file}, {}}; }
-
-/// A window, spelled out.
-struct Spelled {
-  std::vector<double> codes;
-  std::vector<std::uint8_t> valid;
-};
-Spelled spelled(const Window& window) {
-  Spelled all{{}, window.valid};
-  std::visit([&](const auto& codes) { all.codes.assign(codes.begin(), codes.end()); }, window.codes);
-  if (all.valid.empty()) all.valid.assign(all.codes.size(), 1);
-  return all;
-}
-Spelled all_codes(const Source& source) { return spelled(source.read(source.description().extent)); }
-
-template <class Action>
-Failure failure_of(Action&& action) {
-  try {
-    action();
-  } catch (const Failure& failure) {
-    return failure;
-  }
-  ADD_FAILURE() << "nothing failed";
-  return {Cause::io, ""};
 }
 
 class SourceTest : public ::testing::Test {
@@ -232,8 +211,7 @@ TEST_F(SourceTest, AVirtualRasterOfItsOwnFolderIsRead) {
   std::filesystem::create_directory(folder_ / "tiles");
   std::filesystem::rename(folder_ / "dem.tif", folder_ / "tiles/dem.tif");
   write_vrt("inner.vrt", source("tiles/dem.tif"));
-  EXPECT_THAT(all_codes(open(write_vrt("outer.vrt", source("inner.vrt")))).codes,
-              ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(all_codes(open(write_vrt("outer.vrt", source("inner.vrt")))).codes, ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST_F(SourceTest, AVirtualRasterThatReachesOutIsRefused) {
