@@ -91,6 +91,24 @@ bool has_point(const Mesh& mesh, GridPoint p) {
   return std::find(mesh.points.begin(), mesh.points.end(), p) != mesh.points.end();
 }
 
+OracleOptions judging_in_degrees(const RasterOptions& file, int rows) {
+  constexpr long double radius = 6378137, flattening = 1 / 298.257223563L;
+  constexpr long double squared = flattening * (2 - flattening), degree = 3.14159265358979323846L / 180;
+  OracleOptions judging{.cell_width_m = kInfinity, .cell_height_m = kInfinity};
+  for (int row = 0; row < rows; ++row) {
+    const long double y = static_cast<long double>(file.geotransform[3]) + (row + 0.5L) * file.geotransform[5];
+    const long double latitude = std::clamp(y, -90.0L, 90.0L) * degree;
+    const long double w = 1 - squared * std::sin(latitude) * std::sin(latitude);
+    const long double width = std::max(0.0L, radius / std::sqrt(w) * std::cos(latitude) * degree);
+    const long double height = radius * (1 - squared) / (w * std::sqrt(w)) * degree;
+    judging.cell_width_m =
+        std::min(judging.cell_width_m, static_cast<double>(width * std::abs(file.geotransform[1])));
+    judging.cell_height_m =
+        std::min(judging.cell_height_m, static_cast<double>(height * std::abs(file.geotransform[5])));
+  }
+  return judging;
+}
+
 Terrain hills(int cols, int rows, double amplitude) {
   return fit(sine_hills(cols, rows, amplitude, 151), SampleType::int16);
 }

@@ -60,6 +60,10 @@ class HardDatabase {
 /// Is the point one of the mesh's?
 [[nodiscard]] bool has_point(const Mesh& mesh, GridPoint p);
 
+/// Ground sizes of the narrowest and flattest cell of a raster in degrees, on the WGS 84 ellipsoid: no triangle's sides
+/// are shorter than with these.
+[[nodiscard]] OracleOptions judging_in_degrees(const RasterOptions& file, int rows);
+
 /// Samples of real ground: rolling hills in whole units, with edges nowhere in particular.
 [[nodiscard]] Terrain hills(int cols, int rows, double amplitude = 100);
 
