@@ -1,6 +1,7 @@
 // Danger: planes of any slope at tolerance 0. Nothing but the border needs a vertex, unless the plane is computed
 // through a unit normal in floats, whose rounding makes every sample an error.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

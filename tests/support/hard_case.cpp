@@ -101,8 +101,7 @@ OracleOptions judging_in_degrees(const RasterOptions& file, int rows) {
     const long double w = 1 - squared * std::sin(latitude) * std::sin(latitude);
     const long double width = std::max(0.0L, radius / std::sqrt(w) * std::cos(latitude) * degree);
     const long double height = radius * (1 - squared) / (w * std::sqrt(w)) * degree;
-    judging.cell_width_m =
-        std::min(judging.cell_width_m, static_cast<double>(width * std::abs(file.geotransform[1])));
+    judging.cell_width_m = std::min(judging.cell_width_m, static_cast<double>(width * std::abs(file.geotransform[1])));
     judging.cell_height_m =
         std::min(judging.cell_height_m, static_cast<double>(height * std::abs(file.geotransform[5])));
   }
