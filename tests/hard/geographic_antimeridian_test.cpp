@@ -1,8 +1,6 @@
 // Danger: a raster that crosses the antimeridian, from 179.5° to 180.5° east. Whoever brings longitudes back between
 // -180° and 180° one by one makes it 359° wide and turns its rectangles inside out.
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/hard_case.hpp"

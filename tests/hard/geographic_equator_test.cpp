@@ -1,8 +1,6 @@
 // Danger: degrees at the equator, where they are longest. On a sphere of 6371 km a degree is 124 m too short there, and
 // sides of triangles that are over the tolerance pass for ones within it.
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/hard_case.hpp"

@@ -1,8 +1,6 @@
 // Danger: 2^k + 1 samples a side. The last column begins a block, a page or a tile of its own, one sample wide, which
 // whoever counts whole blocks never stores.
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/hard_case.hpp"

@@ -1,8 +1,6 @@
 // Danger: 2^k + 2 samples a side. The last block has one cell, and its triangles belong to diamonds that lie almost
 // wholly beyond the data; whoever counts whole blocks of cells drops it, with all that rises there.
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/hard_case.hpp"

@@ -1,6 +1,7 @@
 // Danger: thin walls that cross the borders of blocks, pages and tiles and stand on none of their corners. Whoever
 // takes errors of coarse vertices from an overview, every 64th sample, has never seen them.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -123,7 +123,11 @@ HardDatabase::HardDatabase(HardCase hard) : hard_(std::move(hard)), truth_(hard_
     high = std::max(high, value);
   }
   range_m_ = (high - low) * hard_.metres_per_unit;
-  write_raster(turned(hard_.terrain, hard_.file), folder_ / "hard.tif", hard_.file);
+  Terrain written = turned(hard_.terrain, hard_.file);
+  for (std::size_t i = 0; hard_.voids_are_nan && i < written.values.size(); ++i) {
+    if (written.valid[i] == 0) written.values[i] = std::nan(""), written.valid[i] = 1;
+  }
+  write_raster(written, folder_ / "hard.tif", hard_.file);
   IngestOptions options;
   options.void_weight = hard_.void_weight;
   ingest(folder_ / "hard.tif", folder_ / "hard.talus", options);

@@ -14,6 +14,7 @@ namespace talus::support {
 struct HardCase {
   Terrain terrain;                   ///< what the file holds, row 0 north; fits file.type
   RasterOptions file{};              ///< a geotransform with rows to the north or columns to the west is written so
+  bool voids_are_nan = false;        ///< in the file, whatever number file.nodata names, if any
   OracleOptions judging{};           ///< ground sizes, where there are voids and cells are of one size
   double void_weight = 1;            ///< of ingest and of the judge
   double metres_per_unit = 1;        ///< of file.unit
