@@ -30,7 +30,7 @@ double naive_error(const Terrain& t) {
 TEST(VoidBlockBorders, HangTheSurfaceFromZero) { EXPECT_GE(naive_error(ground(140, 140)), 3000); }
 
 TEST(VoidBlockBorders, KeepThePromise) {
-  for (const auto& [cols, rows] : {std::pair(1100, 140), std::pair(200, 200), std::pair(140, 1100)}) {
+  for (const auto& [cols, rows] : {std::pair(1100, 140), std::pair(200, 200), std::pair(70, 1100)}) {
     HardCase hard{.terrain = ground(cols, rows)};
     hard.judging = {.cell_width_m = 1, .cell_height_m = 1};
     hard.tolerances = {3, 10, 100, 1000};

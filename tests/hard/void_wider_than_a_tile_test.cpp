@@ -37,7 +37,7 @@ TEST(VoidWiderThanATile, KeepsThePromise) {
     hard.regions = {{{1000, 0}, {1100, 100}}, {{600, 100}, {760, 199}}};
     hard.tolerances = {1, 30, 200, 3000};
     const HardDatabase database(hard);
-    database.hold_to_the_promise();
+    if (weight == 1) database.hold_to_the_promise();
     for (const double tolerance : {1.0, 10.0, 1000.0, 1e5}) {
       for (const double height : database.judged(tolerance).heights) ASSERT_GE(height, 5000) << "at " << tolerance;
     }
