@@ -41,6 +41,7 @@ TEST(ExactPlanes, OfWholeNumbersNeedTheBorderOnly) {
     SCOPED_TRACE(::testing::Message() << slope.east << " east, " << slope.south << " south");
     expect_only_the_border(HardDatabase({.terrain = plane(1100, 140, 100, slope.east, slope.south)}));
   }
+  HardDatabase({.terrain = plane(1100, 140, 100, 13, -7)}).hold_to_the_promise();
 }
 
 TEST(ExactPlanes, OfBinaryFractionsNeedTheBorderOnly) {
