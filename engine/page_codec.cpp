@@ -322,6 +322,12 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   return bytes;
 }
 
+PageEncoder::Parts PageEncoder::parts() const {
+  const NumberWriter& out = scratch_->out;
+  return {out.bits(0, kVoidsFrom), out.bits(kErrorsFrom, kChildrenFrom), out.bits(kVoidsFrom, kErrorsFrom),
+          out.bits(kChildrenFrom, kContexts)};
+}
+
 // ---- reading ---------------------------------------------------------------------------------------
 
 struct PageDecoder::Scratch {

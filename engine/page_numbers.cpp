@@ -1,5 +1,6 @@
 #include "engine/page_numbers.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -76,6 +77,11 @@ Coding choose_coding(std::span<const double> heights, std::span<const std::uint8
 
 void numbers_of(std::span<const double> heights, std::span<const std::uint8_t> needed, Coding coding,
                 std::span<std::int64_t> numbers) {
+  if (coding == Coding::whole && needed.empty()) {
+    std::transform(heights.begin(), heights.end(), numbers.begin(),
+                   [](double h) { return static_cast<std::int64_t>(h); });
+    return;
+  }
   for (std::size_t i = 0; i < heights.size(); ++i) {
     numbers[i] = needed.empty() || needed[i] != 0 ? number_of(heights[i], coding) : 0;
   }
