@@ -354,11 +354,7 @@ struct PageDecoder::Scratch {
     double* to = page.heights.data();
     for (std::int32_t row = 0; row < place.rows; ++row, to += place.cols) {
       const Number* from = square.data() + std::ptrdiff_t{place.row + row} * kPageSide + place.col;
-      if (coding == Coding::whole) {
-        for (std::int32_t i = 0; i < place.cols; ++i) to[i] = static_cast<double>(plus(base, from[i]));
-      } else {
-        for (std::int32_t i = 0; i < place.cols; ++i) to[i] = height_of(plus(base, from[i]), coding);
-      }
+      talus::heights_of(base, std::span(from, static_cast<std::size_t>(place.cols)), coding, to);
     }
     if (coding < Coding::float_bits) return;
     for (std::size_t i = 0; i < page.heights.size(); ++i) {
