@@ -110,8 +110,12 @@ struct Step {
 struct Tables {
   std::array<std::array<Step, kStates>, kDistributions> steps;  ///< for reading, by state
   struct Writing {
-    Counts counts;
-    std::array<std::uint16_t, kTokens> first;  ///< of a token in `states`
+    struct PerToken {
+      std::uint16_t count = 0;  ///< states it has
+      std::int16_t first = 0;   ///< of them in `states`, less the count
+      std::int16_t shed = 0;    ///< bits to write, or one less
+    };
+    std::array<PerToken, kTokens> tokens;
     std::array<std::uint16_t, kStates> states;
     std::array<std::uint16_t, kTokens> cost;  ///< bits · 256
   };
@@ -124,27 +128,28 @@ struct Tables {
   void make(int t) {
     auto& w = writing[static_cast<std::size_t>(t)];
     auto& read = steps[static_cast<std::size_t>(t)];
-    w.counts = counts_of(t);
+    const Counts counts = counts_of(t);
     std::array<std::uint8_t, kStates> tokens{};
     std::uint32_t place = 0, first = 0;
     for (std::size_t token = 0; token < kTokens; ++token) {
-      w.first[token] = static_cast<std::uint16_t>(first);
-      first += w.counts[token];
-      for (std::uint32_t i = 0; i < w.counts[token]; ++i) {
+      w.tokens[token] = {counts[token], static_cast<std::int16_t>(static_cast<int>(first) - counts[token]),
+                         static_cast<std::int16_t>(kStateBits + 1 - std::bit_width(counts[token]))};
+      first += counts[token];
+      for (std::uint32_t i = 0; i < counts[token]; ++i) {
         tokens[place] = static_cast<std::uint8_t>(token);
         place = (place + (kStates >> 1) + (kStates >> 3) + 3) & (kStates - 1);
       }
-      w.cost[token] = cost_of(w.counts[token], token);
+      w.cost[token] = cost_of(counts[token], token);
     }
     std::array<std::uint32_t, kTokens> next{};
-    for (std::size_t token = 0; token < kTokens; ++token) next[token] = w.counts[token];
+    for (std::size_t token = 0; token < kTokens; ++token) next[token] = counts[token];
     for (std::uint32_t state = 0; state < kStates; ++state) {
       Step& step = read[state];
       const std::size_t token = tokens[state];
       const std::uint32_t x = next[token]++;
       step.bits = static_cast<std::uint8_t>(kStateBits + 1 - std::bit_width(x));
       step.next = static_cast<std::uint16_t>((x << step.bits) - kStates);
-      w.states[w.first[token] + x - w.counts[token]] = static_cast<std::uint16_t>(state);
+      w.states[static_cast<std::size_t>(w.tokens[token].first) + x] = static_cast<std::uint16_t>(state);
       const Token t_at = token_at(static_cast<int>(token));
       step.low_bits = token == kEscape ? kEscapeBits : static_cast<std::uint8_t>(t_at.bits);
       // A longer number's base follows from its low_bits and its half.
@@ -260,29 +265,39 @@ void NumberWriter::put(std::uint64_t number, int context) {
   contexts_.push_back(static_cast<std::uint8_t>(context));
 }
 
+double NumberWriter::bits(int first, int end) const {
+  const Choice choice = choose(numbers_, contexts_);
+  double sum = 0;
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    if (contexts_[i] < first || contexts_[i] >= end) continue;
+    sum += tables().writing[choice[contexts_[i]]].cost[static_cast<std::size_t>(token_of(numbers_[i]).token)] / 256.0;
+  }
+  return sum;
+}
+
 void NumberWriter::finish(std::vector<std::byte>& out) {
   const Choice choice = choose(numbers_, contexts_);
   BackwardBits bits(numbers_.size() + 64);
   std::array<std::uint32_t, 4> state{};
   for (std::size_t i = numbers_.size(); i-- > 0;) {
     const auto& w = tables().writing[choice[contexts_[i]]];
-    Token t = token_of(numbers_[i]);
-    if (w.counts[static_cast<std::size_t>(t.token)] == 0) t.token = kEscape;
-    const auto token = static_cast<std::size_t>(t.token);
-    std::uint32_t& s = state[i % 4];
-    const std::uint32_t x = s + kStates, count = w.counts[token];
-    int shed = kStateBits + 1 - static_cast<int>(std::bit_width(count));
-    if (x >> shed < count) --shed;
-    bits.put(x & ((1u << shed) - 1), shed);
-    if (t.token == kEscape) {
-      t.first = 0;
-      t.bits = std::max(static_cast<int>(std::bit_width(numbers_[i])), 1);
+    const std::uint64_t number = numbers_[i];
+    Token t = token_of(number);
+    if (w.tokens[static_cast<std::size_t>(t.token)].count == 0) {
+      t = {kEscape, std::max(static_cast<int>(std::bit_width(number)), 1), 0};
     }
-    const std::uint64_t low = numbers_[i] - t.first;
-    if (t.bits > 32) bits.put(low >> 32, t.bits - 32);
-    bits.put(low & 0xffffffffu, std::min(t.bits, 32));
-    if (t.token == kEscape) bits.put(static_cast<std::uint64_t>(t.bits - 1), 6);
-    s = w.states[w.first[token] + (x >> shed) - count];
+    const Tables::Writing::PerToken to = w.tokens[static_cast<std::size_t>(t.token)];
+    std::uint32_t& s = state[i % 4];
+    const std::uint32_t x = s + kStates;
+    const int shed = to.shed - (x >> to.shed < to.count ? 1 : 0);
+    bits.put(x & ((1u << shed) - 1), shed);
+    if (t.bits > 0) {
+      const std::uint64_t low = number - t.first;
+      if (t.bits > 32) bits.put(low >> 32, t.bits - 32);
+      bits.put(low & 0xffffffffu, std::min(t.bits, 32));
+      if (t.token == kEscape) bits.put(static_cast<std::uint64_t>(t.bits - 1), 6);
+    }
+    s = w.states[static_cast<std::size_t>(to.first + static_cast<int>(x >> shed))];
   }
   // Head: which contexts are in use, a distribution each, the states and the idle bits.
   const auto byte = [&](std::uint64_t v) { out.push_back(static_cast<std::byte>(v & 0xff)); };

@@ -30,6 +30,8 @@ class NumberWriter {
   }
   /// Appends what was put to `out`. Nothing may follow it there.
   void finish(std::vector<std::byte>& out);
+  /// About how many bits the numbers of contexts from `first` up to `end` take. For measurements.
+  [[nodiscard]] double bits(int first, int end) const;
   /// Forgets what was put, keeps the memory.
   void clear() { numbers_.clear(), contexts_.clear(); }
 

@@ -321,6 +321,12 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   return bytes;
 }
 
+PageEncoder::Parts PageEncoder::parts() const {
+  const NumberWriter& out = scratch_->out;
+  return {out.bits(0, kVoidsFrom), out.bits(kErrorsFrom, kChildrenFrom), out.bits(kVoidsFrom, kErrorsFrom),
+          out.bits(kChildrenFrom, kContexts)};
+}
+
 // ---- reading ---------------------------------------------------------------------------------------
 
 struct PageDecoder::Scratch {
@@ -347,11 +353,7 @@ struct PageDecoder::Scratch {
     double* to = page.heights.data();
     for (std::int32_t row = 0; row < place.rows; ++row, to += place.cols) {
       const Number* from = square.data() + std::ptrdiff_t{place.row + row} * kPageSide + place.col;
-      if (coding == Coding::whole) {
-        for (std::int32_t i = 0; i < place.cols; ++i) to[i] = static_cast<double>(plus(base, from[i]));
-      } else {
-        for (std::int32_t i = 0; i < place.cols; ++i) to[i] = height_of(plus(base, from[i]), coding);
-      }
+      talus::heights_of(base, std::span(from, static_cast<std::size_t>(place.cols)), coding, to);
     }
     if (coding < Coding::float_bits) return;
     for (std::size_t i = 0; i < page.heights.size(); ++i) {

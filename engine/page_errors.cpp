@@ -70,8 +70,10 @@ struct Sorted {
 
   alignas(64) Unsigned numbers[kRim + kSquare + kRim]{};
   alignas(64) Unsigned errors[kRim + kSquare + kRim]{};
-  alignas(64) Distance is_implied[kSquare]{};  ///< where all is data: not 0 if implied by its place
-  PresentRect implied_for{0, 0, 0, 0};
+  /// Where all is data: not 0 if implied by its place; in whole pages, and in those cut like the last one.
+  alignas(64) Distance in_whole_page[kSquare]{}, in_part[kSquare]{};
+  PresentRect part_of{0, 0, 0, 0};
+  bool has_whole_page = false;
   std::ptrdiff_t part = 0;  ///< first of the lanes at work
   alignas(64) Distance is_implied_here[kSquare]{};
 
@@ -345,13 +347,17 @@ void ImpliedErrors<Distance>::compute(std::span<const Distance> square, const Pr
       marks[Lanes::place(col, row) - static_cast<std::ptrdiff_t>(Lanes::kRim)] = 1;
     });
   };
-  const Distance* implied = lanes.is_implied;
+  const Distance* implied = lanes.in_whole_page;
   if (!valid.empty()) {
     mark(lanes.is_implied_here);
     implied = lanes.is_implied_here;
-  } else if (lanes.implied_for != present) {
-    mark(lanes.is_implied);
-    lanes.implied_for = present;
+  } else if (present != PresentRect{}) {
+    if (lanes.part_of != present) mark(lanes.in_part);
+    lanes.part_of = present;
+    implied = lanes.in_part;
+  } else if (!lanes.has_whole_page) {
+    mark(lanes.in_whole_page);
+    lanes.has_whole_page = true;
   }
   compute_lanes(lanes, square.data(), implied, distances.data());
 }

@@ -1,5 +1,6 @@
 #include "engine/page_numbers.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -65,6 +66,39 @@ double height_of(std::int64_t k, Coding coding) {
   return is_float(coding) ? static_cast<double>(static_cast<float>(value)) : value;
 }
 
+namespace {
+
+/// Decimals whose numbers are small enough that base and number may be added as doubles.
+TALUS_CLONES void decimals_of(double base, const std::int32_t* numbers, std::size_t count, double per_unit,
+                              bool is_float_source, double* heights) {
+  if (is_float_source) {
+    for (std::size_t i = 0; i < count; ++i)
+      heights[i] = static_cast<double>(static_cast<float>((base + numbers[i]) / per_unit));
+  } else if (per_unit != 1) {
+    for (std::size_t i = 0; i < count; ++i) heights[i] = (base + numbers[i]) / per_unit;
+  } else {
+    for (std::size_t i = 0; i < count; ++i) heights[i] = base + numbers[i];
+  }
+}
+
+std::int64_t plus(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+
+}  // namespace
+
+void heights_of(std::int64_t base, std::span<const std::int32_t> numbers, Coding coding, double* heights) {
+  constexpr std::int64_t kExact = std::int64_t{1} << 52;
+  if (coding < Coding::float_bits && base > -kExact && base < kExact) {
+    decimals_of(static_cast<double>(base), numbers.data(), numbers.size(), power_of(coding), is_float(coding), heights);
+  } else {
+    for (std::size_t i = 0; i < numbers.size(); ++i) heights[i] = height_of(plus(base, numbers[i]), coding);
+  }
+}
+void heights_of(std::int64_t base, std::span<const std::int64_t> numbers, Coding coding, double* heights) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) heights[i] = height_of(plus(base, numbers[i]), coding);
+}
+
 Coding choose_coding(std::span<const double> heights, std::span<const std::uint8_t> needed) {
   if (needed.empty() && all_small_whole(heights.data(), heights.size())) return Coding::whole;
   for (const Coding c : {Coding::whole, Coding::float_decimal1, Coding::decimal1, Coding::float_decimal2,
@@ -76,6 +110,11 @@ Coding choose_coding(std::span<const double> heights, std::span<const std::uint8
 
 void numbers_of(std::span<const double> heights, std::span<const std::uint8_t> needed, Coding coding,
                 std::span<std::int64_t> numbers) {
+  if (coding == Coding::whole && needed.empty()) {
+    std::transform(heights.begin(), heights.end(), numbers.begin(),
+                   [](double h) { return static_cast<std::int64_t>(h); });
+    return;
+  }
   for (std::size_t i = 0; i < heights.size(); ++i) {
     numbers[i] = needed.empty() || needed[i] != 0 ? number_of(heights[i], coding) : 0;
   }

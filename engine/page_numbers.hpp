@@ -29,6 +29,9 @@ inline constexpr std::uint8_t kCodings = 9;
 void numbers_of(std::span<const double> heights, std::span<const std::uint8_t> needed, Coding coding,
                 std::span<std::int64_t> numbers);
 
+/// heights[i] = height_of(base + numbers[i], coding), many at once.
+void heights_of(std::int64_t base, std::span<const std::int32_t> numbers, Coding coding, double* heights);
+void heights_of(std::int64_t base, std::span<const std::int64_t> numbers, Coding coding, double* heights);
 [[nodiscard]] double height_of(std::int64_t number, Coding coding);
 
 }  // namespace talus

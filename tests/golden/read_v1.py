@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """A second reader of Talus databases, which follows docs/format/v1.md and shares no code with the program.
 
-Only Python's standard library, and LMDB, zstd and xxHash through ctypes. Slow and plain: it is here to show that the
+Only Python's standard library, and LMDB and xxHash through ctypes. Slow and plain: it is here to show that the
 document says enough. read_v1_test.py holds it against the program.
 """
 
+import bisect
 import ctypes
 import ctypes.util
 import json
@@ -155,6 +156,118 @@ def height_code(k, coding):
     return struct.unpack("<d", struct.pack("<q", unrise(k, 64)))[0]
 
 
+# ---- section 6: whole numbers as bits ----------------------------------------------------------------------
+
+
+ONE = 1 << 62
+
+
+def power62(base, exponent):
+    result = ONE
+    while exponent:
+        if exponent & 1:
+            result = result * base >> 62
+        base = base * base >> 62
+        exponent >>= 1
+    return result
+
+
+def token_range(token):
+    """First number of a token, and the bits below it."""
+    if token < 16:
+        return token, 0
+    high = (token - 16) // 2 + 4
+    return (2 + token % 2) << (high - 1), high - 1
+
+
+ESCAPE = 136
+
+
+def states_of(t):
+    """How many of the 1024 states of distribution t each token has."""
+    mean = (23170 if t % 2 else 16384) << (t // 2)
+    narrow, wide = mean // 8 * 5, 2 * mean
+    narrow, wide = ((m * ONE) // (m + (1 << 20)) for m in (narrow, wide))
+
+    def at_least(v):
+        q = power62(narrow, v)
+        return (q << 62) // (ONE + q) * 2 // 10 * 9 + power62(wide, v) // 10
+
+    counts = []
+    for token in range(ESCAPE):
+        first, bits = token_range(token)
+        chance = max(at_least(first) - at_least(first + (1 << bits)), 0)
+        count = ((chance >> 51) + 1) // 2
+        counts.append(1 if count == 0 and chance > ONE >> 14 else count)
+    largest = counts.index(max(counts))
+    counts.append(1)
+    while sum(counts) < 1024:
+        counts[largest] += 1
+    while sum(counts) > 1024:
+        counts[counts.index(max(counts))] -= 1
+    return counts
+
+
+TABLES = {}
+
+
+def table(t):
+    """(token, bits to read, next state without them) of every state."""
+    if t not in TABLES:
+        counts, tokens, place = states_of(t), [None] * 1024, 0
+        for token, count in enumerate(counts):
+            for _ in range(count):
+                tokens[place] = token
+                place = (place + 643) % 1024
+        TABLES[t], seen = [], list(counts)
+        for token in tokens:
+            x = seen[token]
+            seen[token] += 1
+            bits = 11 - x.bit_length()
+            TABLES[t].append((token, bits, (x << bits) - 1024))
+    return TABLES[t]
+
+
+class Numbers:
+    def __init__(self, content):
+        used = [c for c in range(96) if content[c // 8] >> c % 8 & 1]
+        at = 12 + len(used)
+        self.table = dict.fromkeys(range(96), 0)
+        self.table.update(zip(used, content[12:at]))
+        require(all(t < 96 for t in self.table.values()), "distribution")
+        head = int.from_bytes(content[at : at + 6], "little")
+        self.states = [head >> 8 + 10 * k & 1023 for k in range(4)]
+        self.bits, self.size = int.from_bytes(content[at + 6 :], "little"), 8 * len(content[at + 6 :])
+        self.at, self.turn = head & 255, 0
+        require(self.at < 8, "idle bits")
+
+    def take(self, count):
+        bits = self.bits >> self.at & (1 << count) - 1
+        self.at += count
+        return bits
+
+    def get(self, context):
+        token, bits, following = table(self.table[context])[self.states[self.turn]]
+        if token == ESCAPE:
+            number = self.take(self.take(6) + 1)
+        else:
+            first, low = token_range(token)
+            number = first + self.take(low)
+        self.states[self.turn] = following + self.take(bits)
+        self.turn = (self.turn + 1) % 4
+        return number
+
+    def finish(self):
+        require(self.at == self.size and self.states == [0] * 4, "bits missing or left over")
+
+
+def unzigzag(z):
+    return -(z + 1) // 2 if z & 1 else z // 2
+
+
+VOIDS, COVERS, ERRORS, CHILDREN = 48, 65, 67, 83  # first contexts; heights have those below
+
+
 def position(x, y):
     """The key of a page: its coordinates, signs flipped, bits interleaved."""
     x, y = (x & 0xFFFFFFFF) ^ 1 << 31, (y & 0xFFFFFFFF) ^ 1 << 31
@@ -181,116 +294,250 @@ class Page:
         last = self.band == self.database.bands - 1
         return last or (self.col + c) % self.database.children != 0 or (self.row + r) % self.database.children != 0
 
-    def neighbours(self, c, r):
-        """Of an implied midpoint: the indices of its two neighbours; else nothing."""
-        i = r * self.cols + c
-        col_odd, row_odd = (self.col + c) % 2, (self.row + r) % 2
-        if not self.implied or col_odd == row_odd:
-            return None
-        if col_odd:
-            return (i - 1, i + 1) if 0 < c < self.cols - 1 else None
-        return (i - self.cols, i + self.cols) if 0 < r < self.rows - 1 else None
-
     def decode(self, content):
         n = self.cols * self.rows
-        version, coding, flags, width, cols, rows = struct.unpack_from("<BBBBHH", content)
-        require(version == 1 and coding <= 8 and flags <= 15 and width in (1, 2, 4, 8), "page header")
+        version, coding, flags, self.implied, cols, rows, base = struct.unpack_from("<BBBBHHq", content)
+        require(version == 2 and coding <= 8 and flags <= 15 and self.implied <= 3, "page header")
         require((cols, rows) == (self.cols, self.rows), "page size")
         self.coding = coding
-        self.implied = bool(flags & 4)
-        at = 8
-
-        def section(size):
-            nonlocal at
-            (word,) = struct.unpack_from("<I", content, at)
-            m = word & 0x7FFFFFFF
-            raw = content[at + 4 : at + 4 + m]
-            require(len(raw) == m, "section longer than the page")
-            at += 4 + m
-            if not word >> 31:
-                raw = self.database.unpack(raw, size)
-            require(len(raw) == size, "length of a section")
-            return raw
-
-        self.valid, self.covers = b"\x01" * n, b"\x0f" * n
-        if flags & 1:
-            bits = section((n + 7) // 8)
-            self.valid = bytes(bits[i // 8] >> i % 8 & 1 for i in range(n))
-        if flags & 2:
-            self.covers = section(n)
-        planes = [section(n) for _ in range(width)]
-        residuals = [int.from_bytes(z, "little") for z in zip(*planes)]
-        self.heights = [height_code(k, coding) for k in self.numbers(residuals)]
-
-        stored = [r * self.cols + c for r in range(self.rows) for c in range(self.cols)
-                  if self.is_own(c, r) and self.neighbours(c, r) is None]
-        low, high = section(len(stored)), section(len(stored))
-        self.errors = {i: LADDER[l | h << 8] for i, l, h in zip(stored, low, high)}
-        self.below = []
-        if flags & 8:
-            self.below = [struct.unpack_from("<BHff", entry) for entry in
-                          struct.iter_unpack("11s", section(11 * self.database.children**2)) for entry in entry]
-        require(at == len(content), "bytes behind the last section")
+        numbers = Numbers(content[16:])
+        self.last = self.band == self.database.bands - 1
+        self.valid = self.voids(numbers) if flags & 1 else [1] * n
+        self.covers = self.all_covers(numbers) if flags & 2 else [15] * n
+        needed = [v or (flags & 1 and c) for v, c in zip(self.valid, self.covers)]
+        found = self.numbers(numbers, needed, 32 if flags & 4 else 64)
+        self.heights = [height_code(signed(base + k), coding) if need else 0.0 for k, need in zip(found, needed)]
+        self.below = self.children(numbers) if flags & 8 else []
+        self.distances, self.errors = {}, {}
+        for i, p in self.levels():
+            if self.is_implied(i, p):
+                self.distances[i] = self.distance(i, p)
+            else:
+                kind = 12 if self.spacing(p) >= self.database.side else 4 * min(self.spacing(p).bit_length() - 1, 3) + 2 * self.is_centre(p)
+                least = self.least(i, p)
+                above = numbers.get(ERRORS + kind + (least > 0))
+                require(above <= 4001, "an error beyond the ladder")
+                self.errors[i] = (least + above) % 4002
+        numbers.finish()
         return self
 
     def error(self, i):
         """In metres; None where another page has it."""
-        if i in self.errors:
-            return self.errors[i]
-        r, c = divmod(i, self.cols)
-        if not self.is_own(c, r):
-            return None
-        a, b = (self.heights[j] for j in self.neighbours(c, r))
-        return self.database.midpoint_error(self.heights[i], a, b)
+        if i in self.distances:
+            return self.database.metres(self.distances[i])
+        return LADDER[self.errors[i]] if i in self.errors else None
 
-    def numbers(self, residuals):
-        """Section 6: undoes the prediction."""
-        side, cols, rows = self.database.side, self.cols, self.rows
-        u, v = self.col % side, self.row % side
-        numbers = [0] * (cols * rows)
-        residuals = iter(residuals)
+    # In units, and in the page: None where it is not.
 
-        def has(p):
-            return 0 <= p[0] < cols and 0 <= p[1] < rows
+    def index(self, p):
+        c, r = p[0] - self.col, p[1] - self.row
+        return r * self.cols + c if 0 <= c < self.cols and 0 <= r < self.rows else None
 
-        def at(p):
-            return numbers[p[1] * cols + p[0]]
+    def spacing(self, p):
+        return spacing(p)
 
-        def pair(p, q):
-            there = [at(o) for o in (p, q) if has(o)]
-            return (sum(there) // len(there) if there else 0), len(there)
+    def is_centre(self, p):
+        return bool(p[0] & spacing(p) and p[1] & spacing(p))
 
-        def put(p, predicted):
-            z = next(residuals)
-            numbers[p[1] * cols + p[0]] = signed(predicted + (-(z + 1) // 2 if z & 1 else z // 2))
+    def levels(self):
+        """(index, unit) of own vertices: finest first, side midpoints before centres, row by row."""
+        own = [(r * self.cols + c, (self.col + c, self.row + r)) for r in range(self.rows) for c in range(self.cols)
+               if self.is_own(c, r)]
+        key = lambda v: (min(spacing(v[1]), self.database.side),
+                         spacing(v[1]) < self.database.side and self.is_centre(v[1]))
+        return sorted(own, key=key)  # stable: row by row
 
-        def centre(c, r, s):
-            (a, na), (b, nb) = pair((c - s, r - s), (c + s, r + s)), pair((c + s, r - s), (c - s, r + s))
-            if na == nb:
-                return (a + b) // 2  # of nothing and nothing: 0
-            return a if na > nb else b
+    def below_vertex(self, p):
+        s = spacing(p)
+        if self.is_centre(p):
+            return [(p[0] - s, p[1]), (p[0] + s, p[1]), (p[0], p[1] - s), (p[0], p[1] + s)]
+        h = s // 2
+        return [(p[0] + i * h, p[1] + j * h) for i in (-1, 1) for j in (-1, 1)] if h else []
 
-        def middle(ends, apexes):
-            (along, n), (across, m) = pair(*ends), pair(*apexes)
-            if n == 2 and m == 2:
-                return along + (signed(across - along) >> 2)
-            return along if n >= m else across
+    def voids(self, numbers):
+        valid, kinds = [0] * (self.cols * self.rows), {}
+        for r0 in range(0, self.rows, 8):
+            for c0 in range(0, self.cols, 8):
+                kind = numbers.get(VOIDS + kinds.get((c0 - 8, r0), 0) + 3 * kinds.get((c0, r0 - 8), 0))
+                kinds[c0, r0] = kind
+                for r in range(r0, min(r0 + 8, self.rows)):
+                    for c in range(c0, min(c0 + 8, self.cols)):
+                        w, n, nw = (valid[b * self.cols + a] if a >= 0 and b >= 0 else 1
+                                    for a, b in ((c - 1, r), (c, r - 1), (c - 1, r - 1)))
+                        bit = numbers.get(VOIDS + 9 + w + 2 * n + 4 * nw) ^ w if kind == 1 else kind == 0
+                        valid[r * self.cols + c] = int(bit)
+        return valid
 
-        if u == 0 and v == 0:
-            put((0, 0), 0)
-        s = side // 2
-        while s >= 1:
-            for r in range((s - v) % (2 * s), rows, 2 * s):
-                for c in range((s - u) % (2 * s), cols, 2 * s):
-                    put((c, r), centre(c, r, s))
-            for r in range(-v % s, rows, s):
-                odd = (r + v) % (2 * s) == s
-                for c in range((-u if odd else s - u) % (2 * s), cols, 2 * s):
-                    up, along = ((c, r - s), (c, r + s)), ((c - s, r), (c + s, r))
-                    put((c, r), middle(up, along) if odd else middle(along, up))
-            s //= 2
-        require(next(residuals, None) is None, "residuals left over")
-        return numbers
+    def all_covers(self, numbers):
+        covers = [0] * (self.cols * self.rows)
+        for i, p in self.levels():
+            s = spacing(p)
+            inside = self.index((p[0] - s, p[1] - s)) is not None and self.index((p[0] + s, p[1] + s)) is not None
+            guess = 15
+            if s < self.database.side:
+                guess = sum(self.seems_data(p, k, covers) << k for k in range(4))
+            covers[i] = numbers.get(COVERS + (not inside)) ^ guess
+            require(covers[i] <= 15, "covers")
+        return covers
+
+    def seems_data(self, p, k, covers):
+        ends, apexes = diamond(p)
+        apex, end = apexes[k // 2], ends[k % 2]
+        if spacing(p) == 1 and not self.is_centre(p):
+            there = [self.index(q) for q in (p, apex, end)]
+            return all(i is None or self.valid[i] for i in there)
+        split = (apex[0] + end[0]) // 2, (apex[1] + end[1]) // 2
+        i = self.index(split)
+        if i is None:
+            return True
+        return (covers[i] >> (0 if diamond(split)[1][0] == p else 2) & 3) != 0
+
+    def numbers(self, reader, needed, bits):
+        """Section 6: undoes the prediction, over the whole square."""
+        S = self.database.side
+        u, v = self.col % S, self.row % S
+        square = {}
+
+        def take(c, r, predicted, context):
+            i = (r - v) * self.cols + c - u
+            if not (u <= c < u + self.cols and v <= r < v + self.rows and needed[i]):
+                return predicted
+            return signed(predicted + unzigzag(reader.get(context)), bits)
+
+        def wrap(k):
+            return signed(k, bits)
+
+        def rim(grid, m):
+            """A grid of m × m with its rim: index −1 to m + 1."""
+            def on(a, b):
+                return wrap(2 * a - b) if m > 1 else a
+            for r in range(m):
+                grid[-1, r] = on(grid[0, r], grid[min(1, m - 1), r])
+                grid[m, r] = on(grid[m - 1, r], grid[max(m - 2, 0), r])
+                grid[m + 1, r] = on(grid[m, r], grid[m - 1, r])
+            for c in range(-1, m + 2):
+                grid[c, -1] = on(grid[c, 0], grid[c, min(1, m - 1)])
+                grid[c, m] = on(grid[c, m - 1], grid[c, max(m - 2, 0)])
+                grid[c, m + 1] = on(grid[c, m], grid[c, m - 1])
+
+        def predict(at):
+            """at(i, j): the neighbour i along one diagonal axis and j along the other: the square 0..1 × 0..1, around it."""
+            near = [at(i, j) for i in (0, 1) for j in (0, 1)]
+            bends = [wrap(at(i + di, j + dj) - 2 * at(i, j) + at(i - di, j - dj))
+                     for i in (0, 1) for j in (0, 1) for di, dj in ((2 * i - 1, 0), (0, 2 * j - 1))]
+            predicted = wrap(16 * sum(near) - 3 * sum(bends) + 32) >> 6
+            bent = min((1 + sum(abs(b) for b in bends)) % (1 << bits), (1 << 24) - 1)
+            length = bent.bit_length()
+            context = max(0, 2 * (length - 1) + (bent >> max(length - 2, 0) & 1 if length > 1 else 0))
+            return predicted, context
+
+        even, m = {(0, 0): take(0, 0, 0, 47)}, 1
+        while m < S:
+            s = S // (2 * m)
+            rim(even, m)
+            centres = {}
+            for r in range(m):
+                for c in range(m):
+                    centres[c, r] = take((2 * c + 1) * s, (2 * r + 1) * s, *predict(lambda i, j: even[c + i, r + j]))
+            rim(centres, m)
+
+            def turned(x, y):
+                """The grid of even ones and centres, in steps of s."""
+                return centres[x // 2, y // 2] if x % 2 else even[x // 2, y // 2]
+
+            full = {(2 * c, 2 * r): even[c, r] for r in range(m) for c in range(m)}
+            full.update({(2 * c + 1, 2 * r + 1): centres[c, r] for r in range(m) for c in range(m)})
+            for down in (0, 1):
+                for r in range(m):
+                    for c in range(m):
+                        x, y = 2 * c + 1 - down, 2 * r + down
+                        # west, north, south and east are the corners of the turned square
+                        full[x, y] = take(x * s, y * s, *predict(lambda i, j: turned(x - 1 + i + j, y + j - i)))
+            even, m = full, 2 * m
+        return [even[u + c, v + r] for r in range(self.rows) for c in range(self.cols)]
+
+    def children(self, numbers):
+        def moved(f, context):
+            bits = struct.unpack("<i", struct.pack("<f", f))[0] + unzigzag(numbers.get(context))
+            return struct.unpack("<f", struct.pack("<i", signed(bits, 32)))[0]
+
+        entries, last = [], (0, 0, 0.0, 0.0, 0)
+        for _ in range(self.database.children**2):
+            if numbers.get(CHILDREN) == 0:
+                entries.append((0, 0, 0.0, 0.0))
+                continue
+            last = (1, last[1] + unzigzag(numbers.get(CHILDREN + 1)), moved(last[2], CHILDREN + 2),
+                    moved(last[3], CHILDREN + 3), (last[4] + unzigzag(numbers.get(CHILDREN + 4))) % 2**32)
+            require(0 <= last[1] <= 4001, "child entry")
+            entries.append(last[:4])
+        return entries
+
+    # ---- section 7: errors that follow from heights
+
+    def is_data(self, p):
+        i = self.index(p)
+        return i is not None and bool(self.valid[i])
+
+    def is_implied(self, i, p):
+        s, centre = spacing(p), self.is_centre(p)
+        if s > (0, 1, 4, 4)[self.implied]:
+            return False
+        if s == 1 and not centre:
+            ends, apexes = diamond(p)
+            return self.is_data(p) and all(map(self.is_data, ends)) and any(map(self.is_data, apexes))
+        reach = {(1, True): 1, (2, False): 2, (2, True): 4, (4, False): 6, (4, True): 10}[s, centre]
+        return all(self.is_data((p[0] + x, p[1] + y)) for x in range(-reach, reach + 1) for y in range(-reach, reach + 1))
+
+    def distance(self, i, p):
+        """The largest over the diamond and what is below, in height codes."""
+        def height(q):
+            return self.heights[self.index(q)]
+
+        (a, b), apexes = diamond(p)
+        largest = max([self.distances[self.index(q)] for q in self.below_vertex(p)], default=0)
+        if self.implied == 1:
+            return max(largest, rounded_up(height(p), height(a), height(b)))
+        if spacing(p) == 1:
+            return max(largest, abs(height(p) - (height(a) + height(b)) / 2))
+        for t in ((apexes[0], a, b), (apexes[1], a, b)):
+            area = cross(*t)
+            for y in range(min(q[1] for q in t), max(q[1] for q in t) + 1):
+                for x in range(min(q[0] for q in t), max(q[0] for q in t) + 1):
+                    w = [cross((x, y), t[1], t[2]), cross(t[0], (x, y), t[2]), cross(t[0], t[1], (x, y))]
+                    if all(k * area >= 0 for k in w):
+                        surface = sum(k * height(q) for k, q in zip(w, t)) / area  # a power of two: exact
+                        largest = max(largest, abs(height((x, y)) - surface))
+        return largest
+
+    def least(self, i, p):
+        """The least code that a vertex can have, by what is known so far."""
+        if spacing(p) >= self.database.side:
+            return 0
+        metres, code = 0.0, 0
+        a, b = (self.index(q) for q in diamond(p)[0])
+        if a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
+            metres = self.database.metres(abs(self.heights[i] - (self.heights[a] / 2 + self.heights[b] / 2)))
+        for q in map(self.index, self.below_vertex(p)):
+            if q in self.distances:
+                metres = max(metres, self.database.metres(self.distances[q]))
+            elif q is not None:
+                code = max(code, self.errors[q])
+        return max(code, bisect.bisect_left(LADDER, metres))
+
+
+def cross(a, b, c):
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def rounded_up(h, a, b):
+    true = abs(Fraction(h) - (Fraction(a) + Fraction(b)) / 2)
+    middle = (a + b) / 2
+    if true == 0:
+        return 0.0
+    found = abs(h - middle)
+    if Fraction(a + b) == Fraction(a) + Fraction(b) and Fraction(middle) * 2 == Fraction(a + b) and Fraction(found) == true:
+        return found
+    return math.nextafter(math.nextafter(found, math.inf), math.inf)
 
 
 # ---- section 2, and the questions ------------------------------------------------------------------------
@@ -298,9 +545,7 @@ class Page:
 
 class Database:
     def __init__(self, path):
-        self.tables, self.zstd = Tables(path), library("zstd")
-        self.zstd.ZSTD_decompress.restype = ctypes.c_size_t
-        self.zstd.ZSTD_decompress.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t]
+        self.tables = Tables(path)
         text = self.tables.get(-1, 0)
         require(text is not None, "no header")
         m = self.manifest = json.loads(text)
@@ -321,11 +566,6 @@ class Database:
         self.divisor = step["divisor"] * (whole if fraction else 1)
         self.pages = {}
 
-    def unpack(self, frame, size):
-        out = ctypes.create_string_buffer(max(size, 1))
-        require(self.zstd.ZSTD_decompress(out, size, frame, len(frame)) == size, "a section does not unpack")
-        return out.raw[:size]
-
     def page(self, band, x, y):
         if (band, x, y) not in self.pages:
             content = self.tables.get(band, position(x, y))
@@ -338,11 +578,8 @@ class Database:
         scaled = code * step["scale"] / step["divisor"]
         return scaled if step["offset"] == 0 else scaled + step["offset"]
 
-    def midpoint_error(self, h, a, b):
-        metres = abs(h - (a + b) / 2) * self.factor / self.divisor
-        if self.exact:
-            return metres
-        return 0.0 if Fraction(a) + Fraction(b) == 2 * Fraction(h) else metres + 4e-9
+    def metres(self, distance):
+        return distance * self.factor / self.divisor
 
     def walk(self, region, wanted):
         """The pages that overlap a region, from the top; wanted(band, x, y, largest error) says which."""
