@@ -49,7 +49,14 @@ constexpr std::uint8_t kVersion = 2;
 constexpr std::size_t kHeader = 16;
 constexpr std::size_t kChildren = static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross;
 
-enum Flag : std::uint8_t { kHasVoids = 1, kHasCovers = 2, kIsNarrow = 4, kHasChildren = 8, kAllFlags = 15 };
+enum Flag : std::uint8_t {
+  kHasVoids = 1,
+  kHasCovers = 2,
+  kIsNarrow = 4,
+  kHasChildren = 8,
+  kInnerCoversFollow = 16,
+  kAllFlags = 31
+};
 
 /// Which errors are implied, and in what arithmetic.
 enum class Implied : std::uint8_t { none = 0, finest = 1, whole = 2, exact = 3 };
@@ -283,7 +290,8 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
     coded = s.coded;
   }
   if (!page.valid.empty()) put_voids(page.grid, page.valid, kVoidsFrom, s.out);
-  if (!page.covers.empty()) put_covers(page.id, page.bands, page.grid, page.valid, page.covers, kCoversFrom, s.out);
+  const bool inner_follow =
+      !page.covers.empty() && put_covers(page.id, page.bands, page.grid, page.valid, page.covers, kCoversFrom, s.out);
   if (is_narrow) {
     s.narrow_square.assign(kSquare, 0);
     place.into_square(s.numbers, s.narrow_square);
@@ -308,7 +316,8 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   std::vector<std::byte> bytes;
   bytes.reserve(n);
   const int flags = (page.valid.empty() ? 0 : kHasVoids) | (page.covers.empty() ? 0 : kHasCovers) |
-                    (is_narrow ? kIsNarrow : 0) | (page.children.empty() ? 0 : kHasChildren);
+                    (is_narrow ? kIsNarrow : 0) | (page.children.empty() ? 0 : kHasChildren) |
+                    (inner_follow ? kInnerCoversFollow : 0);
   talus::put(bytes, kVersion);
   talus::put(bytes, static_cast<std::uint8_t>(coding));
   talus::put(bytes, static_cast<std::uint8_t>(flags));
@@ -383,7 +392,8 @@ void PageDecoder::decode_up_to_errors(PageId id, GridRect extent, int bands, std
   const unsigned coding_byte = byte(1), flags = byte(2), implied = byte(3);
   if (coding_byte >= kCodings) s.corrupt("unknown coding of heights");
   const auto coding = static_cast<Coding>(coding_byte);
-  if ((flags & ~unsigned{kAllFlags}) != 0 || ((flags & kHasVoids) != 0 && (flags & kHasCovers) == 0))
+  if ((flags & ~unsigned{kAllFlags}) != 0 ||
+      ((flags & (kHasVoids | kInnerCoversFollow)) != 0 && (flags & kHasCovers) == 0))
     s.corrupt("impossible flags");
   if (((flags & kHasChildren) != 0) != (id.band > 0))
     s.corrupt("table of pages below where none belongs, or none where one does");
@@ -410,7 +420,8 @@ void PageDecoder::decode_up_to_errors(PageId id, GridRect extent, int bands, std
   }
   if ((flags & kHasCovers) != 0) {
     page.covers.resize(n);
-    if (!get_covers(id, bands, page.grid, page.valid, page.covers, kCoversFrom, s.in))
+    if (!get_covers(id, bands, page.grid, page.valid, (flags & kInnerCoversFollow) != 0, page.covers, kCoversFrom,
+                    s.in))
       s.corrupt("impossible triangles around a vertex");
   }
 

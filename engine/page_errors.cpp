@@ -49,9 +49,7 @@ bool is_implied_by_place(std::int32_t col, std::int32_t row, const PresentRect& 
 
 namespace {
 
-#if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // vectors are passed to inlined functions only
-#endif
 
 template <class Distance>
 struct Vector {

@@ -149,19 +149,32 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
 
 }  // namespace
 
-void put_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
+bool put_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
                 std::span<const std::uint8_t> covers, int context, NumberWriter& out) {
+  struct Change {
+    std::uint8_t bits;
+    bool inside;
+  };
+  std::vector<Change> changes;
+  changes.reserve(covers.size());
+  bool inner_follow = true;
   std::vector<std::uint8_t> settled(covers.size());
   walk_covers(id, bands, grid, valid, settled, [&](std::size_t i, std::uint8_t guess, bool inside) {
-    out.put(covers[i] ^ guess, context + (inside ? 0 : 1));
+    changes.push_back({static_cast<std::uint8_t>(covers[i] ^ guess), inside});
+    if (inside && covers[i] != guess) inner_follow = false;
     return covers[i];
   });
+  for (const Change& change : changes) {
+    if (!inner_follow || !change.inside) out.put(change.bits, context + (change.inside ? 0 : 1));
+  }
+  return inner_follow;
 }
 
-bool get_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
+bool get_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid, bool inner_follow,
                 std::span<std::uint8_t> covers, int context, NumberReader& in) {
   bool possible = true;
   walk_covers(id, bands, grid, valid, covers, [&](std::size_t, std::uint8_t guess, bool inside) {
+    if (inner_follow && inside) return guess;
     const std::uint64_t change = in.get(context + (inside ? 0 : 1));
     possible = possible && change <= 15;
     return static_cast<std::uint8_t>((change ^ guess) & 15);

@@ -20,10 +20,11 @@ void get_voids(const PageGrid& grid, std::span<std::uint8_t> valid, int context,
 /// Covers of own vertices, by the difference to what the page's own voids say: nothing unless data beyond the page
 /// matters. `valid` empty: all data. Covers of other samples become 0.
 ///
-/// get returns false for a number no cover can be
-void put_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
+/// put returns whether those of all vertices inside the page follow from the voids: then only the others are stored,
+/// and get must be told. get returns false for a number no cover can be.
+bool put_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
                 std::span<const std::uint8_t> covers, int context, NumberWriter& out);
 [[nodiscard]] bool get_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
-                              std::span<std::uint8_t> covers, int context, NumberReader& in);
+                              bool inner_follow, std::span<std::uint8_t> covers, int context, NumberReader& in);
 
 }  // namespace talus

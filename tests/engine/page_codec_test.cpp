@@ -298,7 +298,8 @@ TEST(PageCodec, HeadersThatContradictThemselvesAreCorrupt) {
   };
   EXPECT_TRUE(changed(0, 0, 1)) << "another version";
   EXPECT_TRUE(changed(0, 1, 9)) << "no such coding";
-  EXPECT_TRUE(changed(0, 2, 16)) << "no such flag";
+  EXPECT_TRUE(changed(0, 2, 32)) << "no such flag";
+  EXPECT_TRUE(changed(0, 2, 4 | 16)) << "covers that follow where there are none";
   EXPECT_TRUE(changed(0, 2, 4 | 8)) << "pages below the finest";
   EXPECT_TRUE(changed(1, 2, 4 | 1)) << "voids but no covers";
   EXPECT_TRUE(changed(2, 2, 3)) << "no table of pages below";

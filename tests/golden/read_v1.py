@@ -297,13 +297,13 @@ class Page:
     def decode(self, content):
         n = self.cols * self.rows
         version, coding, flags, self.implied, cols, rows, base = struct.unpack_from("<BBBBHHq", content)
-        require(version == 2 and coding <= 8 and flags <= 15 and self.implied <= 3, "page header")
+        require(version == 2 and coding <= 8 and flags <= 31 and self.implied <= 3, "page header")
         require((cols, rows) == (self.cols, self.rows), "page size")
         self.coding = coding
         numbers = Numbers(content[16:])
         self.last = self.band == self.database.bands - 1
         self.valid = self.voids(numbers) if flags & 1 else [1] * n
-        self.covers = self.all_covers(numbers) if flags & 2 else [15] * n
+        self.covers = self.all_covers(numbers, flags & 16) if flags & 2 else [15] * n
         needed = [v or (flags & 1 and c) for v, c in zip(self.valid, self.covers)]
         found = self.numbers(numbers, needed, 32 if flags & 4 else 64)
         self.heights = [height_code(signed(base + k), coding) if need else 0.0 for k, need in zip(found, needed)]
@@ -368,7 +368,7 @@ class Page:
                         valid[r * self.cols + c] = int(bit)
         return valid
 
-    def all_covers(self, numbers):
+    def all_covers(self, numbers, inner_follow):
         covers = [0] * (self.cols * self.rows)
         for i, p in self.levels():
             s = spacing(p)
@@ -376,7 +376,8 @@ class Page:
             guess = 15
             if s < self.database.side:
                 guess = sum(self.seems_data(p, k, covers) << k for k in range(4))
-            covers[i] = numbers.get(COVERS + (not inside)) ^ guess
+            change = 0 if inside and inner_follow else numbers.get(COVERS + (not inside))
+            covers[i] = change ^ guess
             require(covers[i] <= 15, "covers")
         return covers
 
