@@ -73,7 +73,10 @@ TEST(Voids, HalvesHoldWhatTheirFinestTrianglesAre) {
           if (is_within(f.corners, d.apexes[side], d.ends[0], d.ends[1])) expected[side] |= f.valid ? kData : kVoid;
         }
       });
-      for (const int side : {0, 1}) EXPECT_EQ(voids.half(p, side), expected[side]) << name_of(p) << " side " << side;
+      for (const int side : {0, 1}) {
+        const bool in = inside(half_diamond(p, side), field.extent);  // one that leaves the extent holds nothing
+        EXPECT_EQ(voids.half(p, side), in ? expected[side] : kNothing) << name_of(p) << " side " << side;
+      }
     });
     if (HasFailure()) return;
   }
@@ -91,7 +94,9 @@ TEST(Voids, ApexTrianglesWithDataAreThoseThatHoldAValidFinestOne) {
       const auto triangles = apex_triangles(p);
       for_each_finest(field, [&](const Finest& f) {
         for (std::size_t i = 0; i < 4; ++i) {
-          if (f.valid && is_within(f.corners, triangles[i].apex, triangles[i].left, triangles[i].right))
+          const auto in = [&](GridPoint q) { return field.extent.contains(q); };
+          if (f.valid && in(triangles[i].apex) && in(triangles[i].left) && in(triangles[i].right) &&
+              is_within(f.corners, triangles[i].apex, triangles[i].left, triangles[i].right))
             expected |= 1u << i;
         }
       });
