@@ -40,7 +40,7 @@ std::vector<Page> pages_of(const StoredPages& stored, int band) {
   PageDecoder decoder;
   QueryCost unused;
   stored.transaction().for_each(band, [&](std::uint64_t position) {
-    Page page = stored.get(page_at(band, position), decoder, unused);
+    Page page = stored.get(page_at(band, position), decoder, unused, nullptr);
     for (std::size_t i = 0; i < page.errors.size(); ++i) page.errors[i] = page.error(i, stored.distance());
     pages.push_back(std::move(page));
   });

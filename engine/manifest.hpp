@@ -1,5 +1,5 @@
 #pragma once
-// The header of a database: what ingest writes and query reads. docs/format/v1.md has the fields.
+// The header of a database: what ingest writes and query reads. docs/format/v2.md has the fields.
 
 #include <cstddef>
 #include <span>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds read_v1.py against the program: read_v1_test.py TALUS SCRATCH
+"""Holds read_v2.py against the program: read_v2_test.py TALUS SCRATCH
 
 Rasters of every coding of heights, with and without voids, go through the program; the second reader must find every
 sample bit for bit, and for regions and tolerances the very triangles of the program's answer. Exits with 77, after
@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import read_v1
+import read_v2
 
 VOID = -32768
 
@@ -95,7 +95,7 @@ def check(program, folder, name, number, letter, rows):
     raster, file, answer = folder / (name + ".bin"), folder / (name + ".talus"), folder / (name + ".ply")
     write(raster, number, letter, rows)
     talus(program, "ingest", "--overwrite", raster, file)
-    database = read_v1.Database(file)
+    database = read_v2.Database(file)
 
     samples, cols = database.samples(), len(rows[0])
     for i, (value,) in enumerate(struct.iter_unpack("<" + letter, raster.read_bytes())):
@@ -138,7 +138,7 @@ def main():
     try:
         for raster in rasters():
             seen.update(check(program, folder, *raster))
-    except read_v1.Missing as missing:
+    except read_v2.Missing as missing:
         print("skipped:", missing)
         sys.exit(77)
     print("codings seen:", sorted(seen))

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""A second reader of Talus databases, which follows docs/format/v1.md and shares no code with the program.
+"""A second reader of Talus databases, which follows docs/format/v2.md and shares no code with the program.
 
 Only Python's standard library, and LMDB and xxHash through ctypes. Slow and plain: it is here to show that the
-document says enough. read_v1_test.py holds it against the program.
+document says enough. read_v2_test.py holds it against the program.
 """
 
 import bisect
