@@ -61,9 +61,10 @@ double lost_in_sum(double a, double b) {
 bool halves_exactly(double a, double b, double m) { return a + b == 2 * m && lost_in_sum(a, b) == 0; }
 
 double finest_error(double height, double end, double other_end, const CodeDistance& distance) {
-  const double middle = (end + other_end) / 2;
+  const double sum = end + other_end, middle = sum / 2;
   const double metres = distance.metres(std::abs(height - middle));
-  const bool rounded = lost_in_sum(end, other_end) != 0 || lost_in_sum(height, -middle) != 0;
+  // Halving rounds the smallest numbers only.
+  const bool rounded = lost_in_sum(end, other_end) != 0 || lost_in_sum(height, -middle) != 0 || 2 * middle != sum;
   return rounded ? metres + kRoundingMargin : metres;
 }
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 /// are overwritten.
 bool is_a_database(const fs::path& file) {
   try {
-    return ReadTxn(PageStore::open(file)).find({kHeaderTable, 0}).has_value();
+    return ReadTxn(PageStore::open(file)).has({kHeaderTable, 0});
   } catch (const Failure&) {
     return false;
   }
