@@ -39,7 +39,12 @@ void settle_options(Request& request) {
   }
   if (!request.height_step.empty()) o.inputs.height_step = parse_height_step(request.height_step);
   o.inputs.priority_resolution = parse_priority(request.priority);
-  if (!request.grid_of.empty()) o.inputs.grid = grid_of(Database::open(request.grid_of).snapshot().description());
+  if (!request.grid_of.empty()) {
+    o.inputs.grid = grid_of(Database::open(request.grid_of).snapshot().description());
+    o.inputs.grid->step.reset();  // its grid, not its heights
+  }
+  if (request.dry_run && request.update)
+    throw Failure(Cause::invalid_argument, "--dry-run tells of an ingest; it does not go with --update");
 }
 
 IngestReport ingest_with_progress(Request& request) {
@@ -84,6 +89,8 @@ Exit dry_run(const Request& request) {
                                    counted(e.tiles)));
   table.add("file size", fmt::format("about {}", file_size(e.bytes, d.extent)));
   table.add("time", fmt::format("about {} with {} thread{}", timed(e.seconds), e.threads, e.threads == 1 ? "" : "s"));
+  if (std::filesystem::exists(request.database()) && !request.options.overwrite)
+    table.add("note", fmt::format("{} exists already; without --overwrite it stays", request.database()));
   add_notes(table, e.notes);
   print(table);
   return Exit::done;

@@ -1,6 +1,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,20 +15,27 @@ namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, against, tolerance;
+  std::string database, tolerance;
+  std::vector<std::string> against;
   bool json = false;
+
+  [[nodiscard]] std::string against_name() const {
+    return against.size() == 1 ? against.front() : fmt::format("{} and {} more", against.front(), against.size() - 1);
+  }
 };
 
 VerifyReport check(const Request& request, std::optional<Metres> tolerance) {
   const Snapshot now = Database::open(request.database).snapshot();
   if (request.against.empty()) return verify(now);
-  const Raster raster{request.against};
+  InputOptions inputs;
+  inputs.height_step = 2 * now.description().lossy_metres;  // heights are held against those the database rounded
+  const Raster raster({request.against.begin(), request.against.end()}, inputs);
   const GridRect ours = now.description().extent, theirs = raster.description().extent;
   if (ours != theirs) {
     throw Failure(
         Cause::invalid_argument,
         fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
-                    request.database, ours.cols(), ours.rows(), request.against, theirs.cols(), theirs.rows()));
+                    request.database, ours.cols(), ours.rows(), request.against_name(), theirs.cols(), theirs.rows()));
   }
   const SampleReader truth = [&](GridRect part) { return raster.read(part); };
   return tolerance ? verify(now, truth, *tolerance) : verify(now, truth);
@@ -61,7 +69,7 @@ Table to_table(const Request& request, const VerifyReport& report, std::optional
   Table table;
   std::string checked = fmt::format("{} pages", counted(report.pages));
   if (!request.against.empty()) {
-    checked += fmt::format(", {} samples against {}", counted(report.samples), request.against);
+    checked += fmt::format(", {} samples against {}", counted(report.samples), request.against_name());
   }
   table.add("checked", checked);
   if (tolerance && report.true_error) {
@@ -109,7 +117,7 @@ void add_verify(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("verify", "Check a database, and hold it against its raster");
   command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
-  command->add_option("--against", request->against, "The raster the database was made from")
+  command->add_option("--against", request->against, "What the database was made from: rasters, folders, @LIST.txt")
       ->option_text("DEM")
       ->check(is_named);
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")

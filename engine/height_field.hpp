@@ -38,10 +38,6 @@ class CodeDistance {
   double factor_ = 1, divisor_ = 1;
 };
 
-/// Height codes in the narrowest type that holds every one of them: int16 whole numbers, float, double.
-using Codes = std::variant<std::vector<std::int16_t>, std::vector<float>, std::vector<double>>;
-using CodeSpan = std::variant<std::span<const std::int16_t>, std::span<const float>, std::span<const double>>;
-
 /// Height codes over an extent, row by row. Codes are whole numbers in a height step or the source's
 /// own floats.
 struct HeightField {

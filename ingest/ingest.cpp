@@ -36,6 +36,7 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   const Source source(inputs, options.inputs);
   Description description = source.description();
   description.void_weight = options.void_weight;
+  description.lossy_metres = options.inputs.height_step / 2;
   Job job = job_of(
       description, code_bytes(code_kind(source.description())), [&](GridRect part, GridRect own) { return source.read(part, own); }, options);
   const auto left = options.resume      ? PartFile::Left::resume
@@ -66,6 +67,7 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   const Source source(inputs, options.inputs);
   Description description = source.description();
   description.void_weight = options.void_weight;
+  description.lossy_metres = options.inputs.height_step / 2;
   return estimate(job_of(description, code_bytes(code_kind(source.description())),
                          [&](GridRect part, GridRect own) { return source.read(part, own); }, options),
                   source);

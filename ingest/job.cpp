@@ -262,7 +262,8 @@ IngestEstimate estimate(const Job& job, const Source& source) {
     bytes += static_cast<double>(encode(tile.summary).size());
   }
   if (samples > 0) {
-    sum.bytes = static_cast<std::uint64_t>(bytes / samples * all * 1.02);  // coarse levels, and what LMDB adds
+    constexpr double kFixed = 40e3, kAround = 1.02;  // headers and trees; coarse levels, and what LMDB adds
+    sum.bytes = static_cast<std::uint64_t>(kFixed + bytes / samples * all * kAround);
     sum.seconds = seconds / samples * all / job.budget.threads;
   }
   sum.notes = source.notes();
@@ -291,6 +292,7 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
   finish(job, writer, totals, coarse, std::move(provenance));
   teller.rest("sealing", 0.99);
   report.bytes = writer.finish();
+  teller.rest("done", 1);
   report.description = job.description;
   report.notes = source.notes();
   if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);

@@ -72,6 +72,7 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
   IngestOptions options = asked;
   options.void_weight = before.void_weight;
   options.inputs.grid = grid_of(before);
+  options.inputs.height_step = 2 * before.lossy_metres;  // rounded as the rest
   const Source source(inputs, options.inputs);
   require_same_heights(before, source.description());
 

@@ -20,7 +20,4 @@ inline constexpr std::size_t kChecksumBytes = 8, kPagePrefixBytes = kChecksumByt
 /// XXH3 over the bytes of the files, one after the other. Fails with io.
 [[nodiscard]] std::uint64_t checksum_of_files(const std::vector<std::filesystem::path>& files);
 
-/// XXH3 over the bytes of the files, one after the other. Fails with io.
-[[nodiscard]] std::uint64_t checksum_of_files(const std::vector<std::filesystem::path>& files);
-
 }  // namespace talus

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include <fmt/format.h>
 #include <lmdb.h>
@@ -93,10 +94,22 @@ bool ReadTxn::has(PageKey key) const { return impl_->value(key.table, value_posi
 void ReadTxn::forget(PageKey key) const {
   const auto value = impl_->value(key.table, value_position(key));
   if (!value) return;
+  // A large value begins behind the header of its first page, which says its number: so far from the map's begin.
+  constexpr std::uintptr_t kHeader = 16, kAround = std::uintptr_t{64} << 10;
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   const auto at = reinterpret_cast<std::uintptr_t>(value->data());
-  const std::uintptr_t first = (at + page - 1) / page * page, last = (at + value->size()) / page * page;
-  // Only whole system pages: those it shares stay. A shared, read-only map loses nothing.
+  if (at % page != kHeader) return;  // a small one, on a page of the tree
+  std::uint64_t number = 0;
+  std::memcpy(&number, value->data() - kHeader, sizeof number);
+  MDB_stat sizes{};
+  MDB_envinfo info{};
+  check(mdb_env_stat(impl_->environment->env.get(), &sizes), "look at the map", impl_->file());
+  check(mdb_env_info(impl_->environment->env.get(), &info), "look at the map", impl_->file());
+  if (sizes.ms_psize % page != 0 || number > info.me_last_pgno) return;
+  const std::uintptr_t begin = at - kHeader - number * sizes.ms_psize, end = begin + info.me_mapsize;
+  // The system brings in what lies around, too. A shared, read-only map loses nothing by letting go of it.
+  const std::uintptr_t first = std::max(begin, (at - kHeader) / page * page - std::min(at - kHeader, kAround));
+  const std::uintptr_t last = std::min(end, (at + value->size() + page - 1) / page * page + kAround);
   if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
 }
 

@@ -50,7 +50,8 @@ struct Provenance {
   std::vector<SourceFile> sources;  ///< in the order in which they were laid
   std::string made_by;              ///< program, version and options that matter to the content
   std::uint32_t generation = 0;     ///< updates so far
-  /// How many vertices a tolerance selects, before any border: (tolerance in metres, vertices), rising tolerance.
+  /// How many vertices of spacing below 64, which are all but one in 4096, a tolerance selects before any border:
+  /// (tolerance in metres, vertices), rising tolerance.
   std::vector<std::pair<double, std::uint64_t>> vertices_above;
 };
 

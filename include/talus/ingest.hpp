@@ -85,7 +85,7 @@ struct IngestEstimate {
 /// inputs    local raster files GDAL reads: Byte, Int16, UInt16, Int32, UInt32, Float32 or Float64, one band each
 ///           (the first is taken), nodata and NaN are voids; heights within ±10⁶ metres
 /// database  the file to make; work happens in `database`.part and is renamed at the end
-/// fails     not_found, unsupported (driver, type, rotation, more samples than memory), invalid_argument (no band, all
+/// fails     not_found, unsupported (driver, type, rotation, too many samples), invalid_argument (no band, all
 ///           void, a value that is no height, database exists, too little memory), full, io. `database` is then as it
 ///           was; what was done stays in `database`.part and can be resumed, unless the inputs are at fault
 /// cost      memory as `options` says; time linear, about 50 ns a sample and core; one pass over the samples

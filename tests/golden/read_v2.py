@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A second reader of Talus databases, which follows docs/format/v2.md and shares no code with the program.
 
-Only Python's standard library, and LMDB and xxHash through ctypes. Slow and plain: it is here to show that the
-document says enough. read_v2_test.py holds it against the program.
+Only Python's standard library, and LMDB, xxHash and zstd through ctypes. Slow and plain: it is here to show that
+the document says enough. read_v2_test.py holds it against the program.
 """
 
 import bisect
@@ -42,9 +42,10 @@ class MdbVal(ctypes.Structure):
 
 
 class Tables:
-    """The named tables of the LMDB file, every value checked against its checksum."""
+    """The named tables of the LMDB file, everything checked against its checksum."""
 
     NOSUBDIR, RDONLY, NOLOCK, NOTFOUND = 0x4000, 0x20000, 0x400000, -30798
+    NAMES = {-1: b"header", 32: b"records", **{b: b"band/%02d" % b for b in range(32)}}
 
     def __init__(self, path):
         self.mdb, self.xxh = library("lmdb"), library("xxhash")
@@ -52,7 +53,7 @@ class Tables:
         self.xxh.XXH3_64bits_withSeed.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_uint64]
         env, self.txn = ctypes.c_void_p(), ctypes.c_void_p()
         self.ok(self.mdb.mdb_env_create(ctypes.byref(env)))
-        self.ok(self.mdb.mdb_env_set_maxdbs(env, 33))
+        self.ok(self.mdb.mdb_env_set_maxdbs(env, len(self.NAMES)))
         self.ok(self.mdb.mdb_env_open(env, str(path).encode(), self.NOSUBDIR | self.RDONLY | self.NOLOCK, 0))
         self.ok(self.mdb.mdb_txn_begin(env, None, self.RDONLY, ctypes.byref(self.txn)))
         self.opened = {}
@@ -63,32 +64,68 @@ class Tables:
 
     def table(self, number):
         if number not in self.opened:
-            name = b"header" if number == -1 else b"band/%02d" % number
             dbi = ctypes.c_uint()
-            code = self.mdb.mdb_dbi_open(self.txn, name, 0, ctypes.byref(dbi))
+            code = self.mdb.mdb_dbi_open(self.txn, self.NAMES[number], 0, ctypes.byref(dbi))
             if code != self.NOTFOUND:
                 self.ok(code)
             self.opened[number] = dbi if code == 0 else None
         return self.opened[number]
 
-    def get(self, number, position):
+    def value(self, number, key):
         dbi = self.table(number)
         if dbi is None:
             return None
-        raw = struct.pack(">Q", position)
-        key = MdbVal(8, ctypes.cast(ctypes.c_char_p(raw), ctypes.c_void_p))
+        at = MdbVal(8, ctypes.cast(ctypes.c_char_p(struct.pack(">Q", key)), ctypes.c_void_p))
         value = MdbVal()
-        code = self.mdb.mdb_get(self.txn, dbi, ctypes.byref(key), ctypes.byref(value))
+        code = self.mdb.mdb_get(self.txn, dbi, ctypes.byref(at), ctypes.byref(value))
         if code == self.NOTFOUND:
             return None
         self.ok(code)
-        stored = ctypes.string_at(value.data, value.size)
-        require(len(stored) >= 8, "a value without its checksum")
-        content = stored[8:]
-        prefix = bytes([number & 0xFF]) + raw
+        return ctypes.string_at(value.data, value.size)
+
+    def checksum(self, number, position, generation, content):
+        prefix = bytes([number & 0xFF]) + struct.pack(">Q", position) + struct.pack("<I", generation)
         seed = self.xxh.XXH3_64bits_withSeed(prefix, len(prefix), 0)
-        require(struct.unpack(">Q", stored[:8])[0] == self.xxh.XXH3_64bits_withSeed(content, len(content), seed), "checksum")
-        return content
+        return struct.pack(">Q", self.xxh.XXH3_64bits_withSeed(content, len(content), seed))
+
+    def get(self, number, position):
+        """(content, generation) of a page; None where there is none."""
+        stored = self.from_shelf(position) if number == 0 else self.value(number, position)
+        if not stored:
+            return None
+        require(len(stored) >= 12, "a value without its prefix")
+        generation, content = struct.unpack_from("<I", stored, 8)[0], stored[12:]
+        require(stored[:8] == self.checksum(number, position, generation, content), "checksum")
+        return content, generation
+
+    def from_shelf(self, position):
+        shelf, place = position >> 6, position & 63
+        value = self.value(0, shelf)
+        if value is None:
+            return None
+        require(len(value) >= 8 + 256, "a shelf without its directory")
+        directory = value[8 : 8 + 256]
+        require(value[:8] == self.checksum(0, shelf ^ (1 << 64) - 1, 0, directory), "checksum of a shelf's directory")
+        lengths = struct.unpack("<64I", directory)
+        require(len(value) == 8 + 256 + sum(lengths), "length of a shelf")
+        start = 8 + 256 + sum(lengths[:place])
+        return value[start : start + lengths[place]]
+
+
+def seal_is_whole(path):
+    """The file's last 32 bytes fit all the others."""
+    xxh = library("xxhash")
+
+    class Hash128(ctypes.Structure):
+        _fields_ = [("low", ctypes.c_uint64), ("high", ctypes.c_uint64)]
+
+    xxh.XXH3_128bits.restype = Hash128
+    xxh.XXH3_128bits.argtypes = [ctypes.c_char_p, ctypes.c_size_t]
+    with open(path, "rb") as file:
+        content = file.read()
+    sealed, seal = content[:-32], content[-32:]
+    digest = xxh.XXH3_128bits(sealed, len(sealed))
+    return seal == b"TALUSEND" + struct.pack("<Q", len(sealed)) + struct.pack(">QQ", digest.high, digest.low)
 
 
 # ---- section 3: vertices ---------------------------------------------------------------------------------
@@ -156,7 +193,7 @@ def height_code(k, coding):
     return struct.unpack("<d", struct.pack("<q", unrise(k, 64)))[0]
 
 
-# ---- section 6: whole numbers as bits ----------------------------------------------------------------------
+# ---- section 5.1: whole numbers as bits --------------------------------------------------------------------
 
 
 ONE = 1 << 62
@@ -281,8 +318,8 @@ class Page:
         self.unit = unit
         self.col = max(-(-e[0] // unit), x * side)
         self.row = max(-(-e[1] // unit), y * side)
-        self.cols = min(e[2] // unit, x * side + side - 1) - self.col + 1
-        self.rows = min(e[3] // unit, y * side + side - 1) - self.row + 1
+        self.cols = max(min(e[2] // unit, x * side + side - 1) - self.col + 1, 0)
+        self.rows = max(min(e[3] // unit, y * side + side - 1) - self.row + 1, 0)
 
     def points(self):
         """(index, grid point) of every sample."""
@@ -313,7 +350,8 @@ class Page:
             if self.is_implied(i, p):
                 self.distances[i] = self.distance(i, p)
             else:
-                kind = 12 if self.spacing(p) >= self.database.side else 4 * min(self.spacing(p).bit_length() - 1, 3) + 2 * self.is_centre(p)
+                level = min(self.spacing(p).bit_length() - 1, 3)
+                kind = 12 if self.spacing(p) >= self.database.side else 4 * level + 2 * self.is_centre(p)
                 least = self.least(i, p)
                 above = numbers.get(ERRORS + kind + (least > 0))
                 require(above <= 4001, "an error beyond the ladder")
@@ -422,7 +460,7 @@ class Page:
                 grid[c, m + 1] = on(grid[c, m], grid[c, m - 1])
 
         def predict(at):
-            """at(i, j): the neighbour i along one diagonal axis and j along the other: the square 0..1 × 0..1, around it."""
+            """at(i, j): the one i along one diagonal axis and j along the other: the square 0..1 × 0..1, around it."""
             near = [at(i, j) for i in (0, 1) for j in (0, 1)]
             bends = [wrap(at(i + di, j + dj) - 2 * at(i, j) + at(i - di, j - dj))
                      for i in (0, 1) for j in (0, 1) for di, dj in ((2 * i - 1, 0), (0, 2 * j - 1))]
@@ -465,12 +503,12 @@ class Page:
         entries, last = [], (0, 0, 0.0, 0.0, 0)
         for _ in range(self.database.children**2):
             if numbers.get(CHILDREN) == 0:
-                entries.append((0, 0, 0.0, 0.0))
+                entries.append((0, 0, 0.0, 0.0, 0))
                 continue
             last = (1, last[1] + unzigzag(numbers.get(CHILDREN + 1)), moved(last[2], CHILDREN + 2),
                     moved(last[3], CHILDREN + 3), (last[4] + unzigzag(numbers.get(CHILDREN + 4))) % 2**32)
             require(0 <= last[1] <= 4001, "child entry")
-            entries.append(last[:4])
+            entries.append(last)
         return entries
 
     # ---- section 7: errors that follow from heights
@@ -487,7 +525,8 @@ class Page:
             ends, apexes = diamond(p)
             return self.is_data(p) and all(map(self.is_data, ends)) and any(map(self.is_data, apexes))
         reach = {(1, True): 1, (2, False): 2, (2, True): 4, (4, False): 6, (4, True): 10}[s, centre]
-        return all(self.is_data((p[0] + x, p[1] + y)) for x in range(-reach, reach + 1) for y in range(-reach, reach + 1))
+        around = range(-reach, reach + 1)
+        return all(self.is_data((p[0] + x, p[1] + y)) for x in around for y in around)
 
     def distance(self, i, p):
         """The largest over the diamond and what is below, in height codes."""
@@ -536,9 +575,36 @@ def rounded_up(h, a, b):
     if true == 0:
         return 0.0
     found = abs(h - middle)
-    if Fraction(a + b) == Fraction(a) + Fraction(b) and Fraction(middle) * 2 == Fraction(a + b) and Fraction(found) == true:
+    sum_is_exact = Fraction(a + b) == Fraction(a) + Fraction(b) and Fraction(middle) * 2 == Fraction(a + b)
+    if sum_is_exact and Fraction(found) == true:
         return found
     return math.nextafter(math.nextafter(found, math.inf), math.inf)
+
+
+# ---- section 4.1: records ----------------------------------------------------------------------------------
+
+
+RECORD = (("block_error", "256H"), ("block_holds", "256B"), ("has_data", "256B"), ("middle", "256f"), ("right", "256f"),
+          ("down", "256f"), ("above", "256f"), ("below", "256f"), ("finest", "256h"), ("coarsest", "256h"),
+          ("typical", "256d"), ("errors", "289H"), ("holds", "289B"), ("posts", "256d"), ("post_valid", "256B"),
+          ("entry", "BHffI"), ("valid_samples", "Q"), ("lowest", "d"), ("highest", "d"), ("vertices_above", "25Q"))
+
+
+def record(content):
+    """{field: values} of a tile."""
+    zstd = library("zstd")
+    zstd.ZSTD_decompress.restype = ctypes.c_size_t
+    zstd.ZSTD_decompress.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t]
+    size = sum(struct.calcsize("<" + letters) for _, letters in RECORD)
+    plain = ctypes.create_string_buffer(size + 1)
+    require(content[:1] == b"\2", "version of a record")
+    require(zstd.ZSTD_decompress(plain, size + 1, content[1:], len(content) - 1) == size, "size of a record")
+    fields, at = {}, 0
+    for name, letters in RECORD:
+        letters = "<" + letters
+        fields[name] = struct.unpack_from(letters, plain.raw, at)
+        at += struct.calcsize(letters)
+    return fields
 
 
 # ---- section 2, and the questions ------------------------------------------------------------------------
@@ -547,19 +613,20 @@ def rounded_up(h, a, b):
 class Database:
     def __init__(self, path):
         self.tables = Tables(path)
-        text = self.tables.get(-1, 0)
-        require(text is not None, "no header")
-        m = self.manifest = json.loads(text)
-        require(m["talus"] == 1, "another version")
+        found = self.tables.get(-1, 0)
+        require(found is not None, "no header")
+        m = self.manifest = json.loads(found[0])
+        require(m["talus"] == 2, "another version")
         layout, step = m["layout"], m["step"]
         self.children, self.side, self.bands = 2 ** layout["band_levels"], layout["page_side"], layout["bands"]
         self.extent = m["extent"]
-        self.exact = m["errors"]["exact_arithmetic"]
+        self.lossy = m["errors"]["lossy_bound"]
         self.root = 1
         while self.root <= max(abs(v) for v in self.extent):
             self.root *= 2
         require(self.side * self.children ** (self.bands - 1) >= self.root, "number of bands")
-        require(self.bands == 1 or self.side * self.children ** (self.bands - 2) < self.root, "number of bands")
+        require(self.bands == 3 or self.bands > 3 and self.side * self.children ** (self.bands - 2) < self.root,
+                "number of bands")
         scale, per_unit = abs(step["scale"]), m["vertical"]["metres_per_unit"]
         whole = math.floor(1 / scale + 0.5)
         fraction = scale < 1 and abs(scale * whole - 1) < 1e-14
@@ -567,11 +634,12 @@ class Database:
         self.divisor = step["divisor"] * (whole if fraction else 1)
         self.pages = {}
 
-    def page(self, band, x, y):
+    def page(self, band, x, y, generation):
         if (band, x, y) not in self.pages:
-            content = self.tables.get(band, position(x, y))
-            require(content is not None, "page %d/%d of band %d is missing" % (x, y, band))
-            self.pages[band, x, y] = Page(self, band, x, y).decode(content)
+            found = self.tables.get(band, position(x, y))
+            require(found is not None, "page %d/%d of band %d is missing" % (x, y, band))
+            require(found[1] == generation, "page %d/%d of band %d is stale" % (x, y, band))
+            self.pages[band, x, y] = Page(self, band, x, y).decode(found[0])
         return self.pages[band, x, y]
 
     def height(self, code):
@@ -584,26 +652,36 @@ class Database:
 
     def walk(self, region, wanted):
         """The pages that overlap a region, from the top; wanted(band, x, y, largest error) says which."""
+
         def overlaps(band, x, y):
             cells = self.side * self.children**band
             return (x * cells <= region[2] and (x + 1) * cells > region[0] and
                     y * cells <= region[3] and (y + 1) * cells > region[1])
 
-        def visit(band, x, y):
-            page = self.page(band, x, y)
+        def visit(band, x, y, generation):
+            page = self.page(band, x, y, generation)
             yield page
-            for k, (stored, largest, _, _) in enumerate(page.below):
+            for k, (stored, largest, _, _, written) in enumerate(page.below):
                 j, i = divmod(k, self.children)
                 child = band - 1, x * self.children + i, y * self.children + j
                 if stored and overlaps(*child) and wanted(*child, LADDER[largest]):
-                    yield from visit(*child)
+                    yield from visit(*child, written)
 
         top = self.bands - 1
-        cells = self.side * self.children**top
-        for y in range(self.extent[1] // cells, self.extent[3] // cells + 1):
-            for x in range(self.extent[0] // cells, self.extent[2] // cells + 1):
-                if overlaps(top, x, y):
-                    yield from visit(top, x, y)
+        for (x, y), generation in zip(self.tops(), self.manifest["top_generations"], strict=True):
+            if overlaps(top, x, y):
+                yield from visit(top, x, y, generation)
+
+    def tops(self):
+        """Section 2: the pages of the last band, in the order of their keys."""
+        cells = self.side * self.children ** (self.bands - 1)
+        c0, r0, c1, r1 = (v // cells for v in self.extent)
+        return sorted(((x, y) for y in range(r0, r1 + 1) for x in range(c0, c1 + 1)), key=lambda p: position(*p))
+
+    def record(self, x, y):
+        """Section 4.1: of the tile whose page of band 1 is (x, y); None where there is none."""
+        found = self.tables.get(32, position(x, y))
+        return found and record(found[0])
 
     def samples(self):
         """Section 8: {grid point: height} of all samples that are data."""
@@ -644,6 +722,7 @@ class Database:
 
     def mesh(self, region, tolerance):
         """Section 9: {triangle: as a set of grid points}, {grid point: height}."""
+        tolerance = max(tolerance - self.lossy, 0.0)
         c0, r0, c1, r1 = region
 
         def inside(p):

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Holds read_v2.py against the program: read_v2_test.py TALUS SCRATCH
 
-Rasters of every coding of heights, with and without voids, go through the program; the second reader must find every
-sample bit for bit, and for regions and tolerances the very triangles of the program's answer. Exits with 77, after
-saying why, where a library is missing.
+Rasters of every coding of heights, with and without voids, and databases of several inputs, of an update and of
+rounded heights go through the program; the second reader must find every sample bit for bit, for regions and tolerances
+the very triangles of the program's answer, the file's seal whole and its records in agreement with its pages. Exits
+with 77, after saying why, where a library is missing.
 """
 
 import math
@@ -21,8 +22,8 @@ VOID = -32768
 def mountains(cols, rows, seed):
     draw = random.Random(seed)
     waves = [(draw.uniform(0.02, 0.5), draw.uniform(0.02, 0.5), draw.uniform(0, 6), 200 / k) for k in range(1, 7)]
-    return [[sum(h * math.sin(a * c + b * r + w) for a, b, w, h in waves) + 800 + draw.uniform(-3, 3) for c in range(cols)]
-            for r in range(rows)]
+    return [[sum(h * math.sin(a * c + b * r + w) for a, b, w, h in waves) + 800 + draw.uniform(-3, 3)
+             for c in range(cols)] for r in range(rows)]
 
 
 def with_voids(rows, seed):
@@ -53,6 +54,7 @@ def rasters():
     yield "int16_three_bands", 2, "h", with_voids(each(mountains(1100, 18, 3), round), 3)
     yield "int16_small", 2, "h", each(mountains(5, 9, 4), round)
     yield "int16_line", 2, "h", each(mountains(40, 1, 5), round)
+    yield "int16_four_bands", 2, "h", each(mountains(8300, 2, 14), round)
     yield "float32_decimetres", 4, "f", with_voids(each(mountains(140, 60, 6), lambda h: round(h, 1)), 6)
     yield "float32_millimetres", 4, "f", each(mountains(70, 131, 7), lambda h: round(h, 3))
     yield "float32_any", 4, "f", mountains(140, 50, 8)
@@ -63,11 +65,20 @@ def rasters():
     yield "float64_any", 5, "d", with_voids(mountains(140, 50, 12), 12)
 
 
-def write(path, number, letter, rows):
-    path.write_bytes(b"".join(struct.pack("<%d%s" % (len(row), letter), *row) for row in rows))
+def write(path, number, letter, rows, col=0, row=0):
+    """A raster whose first sample is at a place of the common grid."""
+    path.write_bytes(b"".join(struct.pack("<%d%s" % (len(line), letter), *line) for line in rows))
     path.with_suffix(".hdr").write_text(
         "ENVI\nsamples = %d\nlines = %d\nbands = 1\ndata type = %d\ninterleave = bsq\nbyte order = 0\n"
-        "header offset = 0\ndata ignore value = %d\n" % (len(rows[0]), len(rows), number, VOID))
+        "header offset = 0\ndata ignore value = %d\nmap info = {Arbitrary, 1, 1, %d, %d, 1, 1}\n"
+        % (len(rows[0]), len(rows), number, VOID, col, -row))
+
+
+def placed(rows, letter, col=0, row=0):
+    """{grid point: value as it stands in the file} of all that is data."""
+    whole = struct.Struct("<" + letter)
+    return {(col + c, row + r): whole.unpack(whole.pack(h))[0]
+            for r, line in enumerate(rows) for c, h in enumerate(line) if h != VOID}
 
 
 def talus(*arguments):
@@ -80,8 +91,10 @@ def read_ply(path, mapping):
     head, rest = path.read_bytes().split(b"end_header\n", 1)
     count = {line.split()[1]: int(line.split()[2]) for line in head.split(b"\n") if line.startswith(b"element")}
     points = list(struct.iter_unpack("<ddd", rest[: 24 * count[b"vertex"]]))
-    places = [(round((x - mapping["x0"]) / mapping["dx"]), round((y - mapping["y0"]) / mapping["dy"])) for x, y, _ in points]
-    faces = [frozenset(places[i] for i in face[1:]) for face in struct.iter_unpack("<Biii", rest[24 * count[b"vertex"] :])]
+    places = [(round((x - mapping["x0"]) / mapping["dx"]), round((y - mapping["y0"]) / mapping["dy"]))
+              for x, y, _ in points]
+    rest = rest[24 * count[b"vertex"] :]
+    faces = [frozenset(places[i] for i in face[1:]) for face in struct.iter_unpack("<Biii", rest)]
     if len(faces) != count[b"face"] or len(set(faces)) != len(faces):
         sys.exit("%s: a triangle twice, or the file is cut short" % path)
     return set(faces), {p: z for p, (_, _, z) in zip(places, points)}
@@ -91,29 +104,93 @@ def bits(height):
     return struct.pack("<d", height)
 
 
-def check(program, folder, name, number, letter, rows):
-    raster, file, answer = folder / (name + ".bin"), folder / (name + ".talus"), folder / (name + ".ply")
+def check_one(program, folder, name, number, letter, rows):
+    raster, file = folder / (name + ".bin"), folder / (name + ".talus")
     write(raster, number, letter, rows)
     talus(program, "ingest", "--overwrite", raster, file)
-    database = read_v2.Database(file)
+    return check(program, file, placed(rows, letter))
 
-    samples, cols = database.samples(), len(rows[0])
-    for i, (value,) in enumerate(struct.iter_unpack("<" + letter, raster.read_bytes())):
-        place = i % cols, i // cols
-        found = samples.get(place)
-        if (found is None) != (value == VOID) or (found is not None and bits(found) != bits(value)):
-            sys.exit("%s: sample %s is %s, the raster has %s" % (name, place, found, value))
+
+def check_several(program, folder):
+    """Two inputs, the later one north-west of the first, over a corner of it: at once, and one as an update."""
+    first, later = each(mountains(150, 140, 15), round), with_voids(each(mountains(140, 30, 16), round), 16)
+    write(folder / "first.bin", 2, "h", first)
+    write(folder / "later.bin", 2, "h", later, -5, -5)
+    expected = {**placed(first, "h"), **placed(later, "h", -5, -5)}
+    joined, updated = folder / "int16_joined.talus", folder / "int16_updated.talus"
+    talus(program, "ingest", "--overwrite", folder / "first.bin", folder / "later.bin", joined)
+    talus(program, "ingest", "--overwrite", folder / "first.bin", updated)
+    talus(program, "ingest", "--update", folder / "later.bin", updated)
+    write(folder / "rounded.bin", 2, "h", first)
+    rounded = folder / "int16_rounded.talus"
+    talus(program, "ingest", "--overwrite", "--height-step", 2.5, folder / "rounded.bin", rounded)
+    codings = check(program, joined, expected) + check(program, updated, expected, generation=1)
+    return codings + check(program, rounded, placed(first, "h"), lossy=1.25)
+
+
+def check_samples(database, expected, lossy):
+    found = database.samples()
+    if found.keys() != expected.keys():
+        sys.exit("samples that are data are others than the raster's")
+    for p, value in expected.items():
+        if abs(found[p] - value) > lossy or (lossy == 0 and bits(found[p]) != bits(value)):
+            sys.exit("sample %s is %s, the raster has %s" % (p, found[p], value))
+    heights = database.manifest["heights"]
+    c0, r0, c1, r1 = database.extent
+    if ((heights["minimum"], heights["maximum"]) != (min(found.values()), max(found.values())) or
+            heights["void_samples"] != (c1 - c0 + 1) * (r1 - r0 + 1) - len(found)):
+        sys.exit("the manifest's heights are others than the samples'")
+    return found
+
+
+def check_records(database, found):
+    """Section 4.1, what can be told from the pages."""
+    c0, r0, c1, r1 = database.extent
+    valid = 0
+    for y in range(r0 // 1024, r1 // 1024 + 1):
+        for x in range(c0 // 1024, c1 // 1024 + 1):
+            record = database.record(x, y)
+            if record is None:
+                sys.exit("no record of tile %d/%d" % (x, y))
+            valid += record["valid_samples"][0]
+            above = database.pages.get((2, x // 8, y // 8))
+            entry = record["entry"]
+            if above and entry[0] and above.below[y % 8 * 8 + x % 8] != entry:
+                sys.exit("tile %d/%d: the page above has another entry than the record" % (x, y))
+            for k, (height, is_data) in enumerate(zip(record["posts"], record["post_valid"])):
+                p = x * 1024 + k % 16 * 64, y * 1024 + k // 16 * 64
+                if bool(is_data) != (p in found) or (is_data and bits(database.height(height)) != bits(found[p])):
+                    sys.exit("tile %d/%d: post %s is another than the sample" % (x, y, p))
+            for k in range(256):
+                col, row = x * 1024 + k % 16 * 64, y * 1024 + k // 16 * 64
+                inside = [(c, r) for c in range(col, col + 64) for r in range(row, row + 64) if (c, r) in found]
+                if bool(record["has_data"][k]) != bool(inside):
+                    sys.exit("tile %d/%d: block %d has data or has not" % (x, y, k))
+    if valid != len(found):
+        sys.exit("the records count %d samples, there are %d" % (valid, len(found)))
+
+
+def check(program, file, expected, generation=0, lossy=0.0):
+    name, answer = file.stem, file.with_suffix(".ply")
+    database = read_v2.Database(file)
+    if not read_v2.seal_is_whole(file):
+        sys.exit("%s: the seal does not fit" % name)
+    if database.lossy < lossy or database.manifest["generation"] != generation:
+        sys.exit("%s: loss of %g m, generation %d" % (name, database.lossy, database.manifest["generation"]))
+    found = check_samples(database, expected, lossy)
+    check_records(database, found)
 
     draw = random.Random(name)
-    mapping, last = database.manifest["mapping"], (cols - 1, len(rows) - 1)
+    mapping, (c0, r0, c1, r1) = database.manifest["mapping"], database.extent
     triangles = 0
     for attempt in range(5):
-        region = [0, 0, *last]
-        if attempt > 1 and min(last) > 0:
-            region = [v for pair in zip(*(sorted(draw.sample(range(n + 1), 2)) for n in last)) for v in pair]
+        region = [c0, r0, c1, r1]
+        if attempt > 1 and c1 > c0 and r1 > r0:
+            cols, rows = (sorted(draw.sample(range(first, last + 1), 2)) for first, last in ((c0, c1), (r0, r1)))
+            region = [cols[0], rows[0], cols[1], rows[1]]
         tolerance = (0.0, 5.0)[attempt] if attempt < 2 else draw.choice((0.1, 0.5, 1.0, 7.5, 40.0))
         arguments = [program, "query", file, "--tolerance", tolerance, "-o", answer]
-        if region != [0, 0, *last]:
+        if region != [c0, r0, c1, r1]:
             x = sorted(mapping["x0"] + region[i] * mapping["dx"] for i in (0, 2))
             y = sorted(mapping["y0"] + region[i] * mapping["dy"] for i in (1, 3))
             arguments.append("--bbox=%r,%r,%r,%r" % (x[0], y[0], x[1], y[1]))
@@ -126,8 +203,8 @@ def check(program, folder, name, number, letter, rows):
             sys.exit("%s: region %s at %g m: other heights" % (name, region, tolerance))
         triangles += len(ours[0])
     codings = sorted({page.coding for page in database.pages.values()})
-    print("%-26s %6d samples, %6d triangles in 5 answers, codings %s, exact %s"
-          % (name, len(samples), triangles, codings, database.exact))
+    print("%-26s %6d samples, %6d triangles in 5 answers, %3d pages, codings %s"
+          % (name, len(found), triangles, len(database.pages), codings))
     return codings
 
 
@@ -137,7 +214,8 @@ def main():
     seen = set()
     try:
         for raster in rasters():
-            seen.update(check(program, folder, *raster))
+            seen.update(check_one(program, folder, *raster))
+        seen.update(check_several(program, folder))
     except read_v2.Missing as missing:
         print("skipped:", missing)
         sys.exit(77)

@@ -45,7 +45,9 @@ run() {
 import json, sys
 try: p = json.loads(sys.stdin.readline())
 except ValueError: sys.exit()
-print(f"  {p["seconds"]:7.1f} s  {100 * p["fraction"]:5.1f} %  {p["samples"] / 1e6 / max(p["seconds"], 1e-9):6.1f} Msamples/s  peak {int(sys.argv[1]) / 1024:6.1f} MiB")' "$peak"
+rate = p["samples"] / 1e6 / max(p["seconds"], 1e-9)
+print("  %7.1f s  %5.1f %%  %6.1f Msamples/s  peak %6.1f MiB"
+      % (p["seconds"], 100 * p["fraction"], rate, int(sys.argv[1]) / 1024))' "$peak"
     fi
     sleep 0.1
   done
