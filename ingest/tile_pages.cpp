@@ -126,7 +126,7 @@ class TilePacker {
               [](PageId a, PageId b) { return curve_position(a) < curve_position(b); });
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
     for (const PageId id : children) {
-      if (page_grid(id, making_.extent).size() == 0) continue;
+      if (page_grid(id, making_.extent).size() == 0 || is_far_from_data(id)) continue;
       Page page = samples_of(id);
       for (std::size_t i = 0; i < page.heights.size(); ++i) {
         if (!page.valid.empty() && !page.valid[i]) continue;
@@ -208,10 +208,8 @@ class TilePacker {
     return page;
   }
 
-  /// Whether a void lies where a triangle at one of the page's own vertices can reach.
-  [[nodiscard]] bool has_voids_near(PageId id) const {
-    if (!tile_.voids) return false;
-    const std::int32_t reach = band_spacing(id.band + 1);  // twice the coarsest own spacing
+  /// Whether a sample that is data, or one that is void, lies in a page's square or `reach` cells around it.
+  [[nodiscard]] bool has_near(PageId id, std::int32_t reach, std::uint8_t data) const {
     const GridRect square = page_square(id);
     const std::int32_t first = std::max(square.first.col - reach, window_.first.col);
     const std::int32_t last = std::min(square.last.col + reach, window_.last.col);
@@ -219,9 +217,17 @@ class TilePacker {
          row <= std::min(square.last.row + reach, window_.last.row); ++row) {
       const auto start = valid_.begin() + static_cast<std::ptrdiff_t>(index({first, row}));
       const auto end = start + (last - first + 1);
-      if (std::find(start, end, 0) != end) return true;
+      if (std::find(start, end, data) != end) return true;
     }
     return false;
+  }
+  /// Where a triangle at one of the page's own vertices can reach: twice their largest spacing.
+  [[nodiscard]] bool has_voids_near(PageId id) const {
+    return tile_.voids.has_value() && has_near(id, band_spacing(id.band + 1), 0);
+  }
+  /// What a vertex of band 0 depends on lies less than three spacings away.
+  [[nodiscard]] bool is_far_from_data(PageId id) const {
+    return !valid_.empty() && !has_near(id, 2 * band_spacing(1), 1);
   }
 
   [[nodiscard]] ChildEntry finish(Page& page) const {
