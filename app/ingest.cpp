@@ -58,7 +58,10 @@ IngestReport ingest_with_progress(Request& request) {
   try {
     return ingest(request.inputs(), request.database(), request.options);
   } catch (const Interrupted&) {
-    fmt::print(stderr, "talus: interrupted; what is done is in {}.part, --resume goes on with it\n", request.database());
+    if (std::filesystem::exists(request.database() + ".part")) {
+      fmt::print(stderr, "talus: interrupted; what is done is in {}.part, --resume goes on with it\n",
+                 request.database());
+    }
     throw;
   }
 }

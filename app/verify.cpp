@@ -31,13 +31,20 @@ VerifyReport check(const Request& request, std::optional<Metres> tolerance) {
   inputs.height_step = 2 * now.description().lossy_metres;  // heights are held against those the database rounded
   const Raster raster({request.against.begin(), request.against.end()}, inputs);
   const GridRect ours = now.description().extent, theirs = raster.description().extent;
-  if (ours != theirs) {
+  if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {
     throw Failure(
         Cause::invalid_argument,
         fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
                     request.database, ours.cols(), ours.rows(), request.against_name(), theirs.cols(), theirs.rows()));
   }
-  const SampleReader truth = [&](GridRect part) { return raster.read(part); };
+  // Joined otherwise, the same raster may count its samples from another corner.
+  const std::int32_t east = theirs.first.col - ours.first.col, south = theirs.first.row - ours.first.row;
+  const SampleReader truth = [&](GridRect part) {
+    SampleWindow window = raster.read({{part.first.col + east, part.first.row + south},
+                                       {part.last.col + east, part.last.row + south}});
+    window.region = part;
+    return window;
+  };
   return tolerance ? verify(now, truth, *tolerance) : verify(now, truth);
 }
 

@@ -35,7 +35,7 @@ Budget budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent,
   if (needed(1, 1) > memory_bytes) budget.gdal_cache_bytes = 16 * kMiB;
   if (needed(1, 1) > memory_bytes) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("--memory {} MiB: {} × {} samples need {} MiB at least", memory_bytes / kMiB,
+                  fmt::format("a limit of {} bytes of memory: {} × {} samples need {} MiB at least", memory_bytes,
                               extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
   }
   budget.threads = threads;

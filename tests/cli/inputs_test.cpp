@@ -306,7 +306,7 @@ TEST_F(Inputs, ProgressAsJsonIsOneObjectALineOnStandardError) {
 TEST_F(Inputs, TooLittleMemoryIsRefusedWithWhatWouldDo) {
   put_part("a.tif", 0, 0, 90, 70);
   const Outcome outcome = talus({"ingest", "a.tif", "a.talus", "--memory=20MiB"});
-  expect_refusal(outcome, {usage}, {"--memory 20 MiB", "MiB at least"});
+  expect_refusal(outcome, {usage}, {"limit", "MiB at least"});
   const std::string words = "samples need ";
   const std::size_t from = outcome.err.find(words) + words.size();
   const std::string enough = outcome.err.substr(from, outcome.err.find(' ', from) - from);
