@@ -96,7 +96,7 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
   };
 
   // Readers keep the file they have; the new one takes its name at the end, in one step.
-  PartFile part(database, true, PartFile::Left::replace);
+  PartFile part(database, true, asked.overwrite ? PartFile::Left::replace : PartFile::Left::refuse);
   part.copy_database();
   std::optional<PageWriter> writer(std::in_place, part.path());
   IngestReport report = run(job, source, std::move(provenance), *writer);

@@ -3,10 +3,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "storage/page_store.hpp"
 #include "talus/talus.hpp"
 #include "tests/cli/command.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/stored_pages.hpp"
 
 namespace talus::support {
 namespace {
@@ -185,19 +185,6 @@ TEST_F(Damage, IsSaidInASentenceAndAnExitCode) {
 }
 
 // ---- cut short -------------------------------------------------------------------------------------
-
-/// Every page of a database with its bytes: two databases with the same are the same.
-std::map<PageKey, std::string> pages_of(const std::filesystem::path& database) {
-  std::map<PageKey, std::string> pages;
-  const ReadTxn txn(PageStore::open(database));
-  for (int table = 0; table <= kRecordTable; ++table) {
-    txn.for_each(table, [&](std::uint64_t position) {
-      const auto content = txn.find({table, position})->content;
-      pages[{table, position}] = {reinterpret_cast<const char*>(content.data()), content.size()};
-    });
-  }
-  return pages;
-}
 
 TEST_F(Command, AnIngestThatIsKilledAgainAndAgainEndsInTheSamePages) {
   raster = fit(fractal(2300, 1500, 6, 2000), SampleType::int16);

@@ -1,7 +1,6 @@
 // Rasters of several tiles: the database is the same however they go through memory.
 
 #include <cmath>
-#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,24 +13,13 @@
 #include "tests/support/random.hpp"
 #include "tests/support/random_raster.hpp"
 #include "tests/support/raster_file.hpp"
+#include "tests/support/stored_pages.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace talus::support {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::map<PageKey, std::string> pages_of(const fs::path& database) {
-  std::map<PageKey, std::string> pages;
-  const ReadTxn txn(PageStore::open(database));
-  for (int table = 0; table <= kRecordTable; ++table) {
-    txn.for_each(table, [&](std::uint64_t position) {
-      const auto content = txn.find({table, position})->content;
-      pages[{table, position}] = {reinterpret_cast<const char*>(content.data()), content.size()};
-    });
-  }
-  return pages;
-}
 
 /// Several tiles wide and high, with voids of all sizes.
 Terrain country(int cols, int rows, std::uint64_t seed, SampleType type) {
@@ -223,6 +211,20 @@ TEST(Update, TouchesFewTilesAndSaysSoInGenerations) {
   }
   EXPECT_GE(fresh, 3u);
   EXPECT_LE(fresh, 6u) << "of " << all;
+}
+
+TEST(Update, DoesNotThrowAwayAnInterruptedIngest) {
+  const TempFolder folder;
+  write_raster(fit(fractal(50, 40, 1, 100), SampleType::int16), folder / "a.tif");
+  static_cast<void>(ingest(folder / "a.tif", folder / "a.talus"));
+  {
+    PageWriter interrupted(folder / "a.talus.part");
+    interrupted.put({kRecordTable, 3}, {});
+    interrupted.commit(true);
+  }
+  const auto left = pages_of(folder / "a.talus.part");
+  EXPECT_THROW(static_cast<void>(update({folder / "a.tif"}, folder / "a.talus")), Failure);
+  EXPECT_TRUE(pages_of(folder / "a.talus.part") == left);
 }
 
 TEST(Update, WhatIsNoDatabaseIsLeftAlone) {
