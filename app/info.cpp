@@ -73,6 +73,7 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"page_bytes", s.page_bytes},
       {"bands", bands},
       {"lossy_metres", d.lossy_metres},
+      {"finest_tolerance", d.finest_tolerance},
       {"made_by", p.made_by},
       {"generation", p.generation},
       {"sources", sources},
@@ -106,6 +107,8 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("height step", step_text(d.step, d.vertical_unit));
   table.add("void weight", fmt::format("{}", d.void_weight));
   if (d.lossy_metres > 0) table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
+  if (d.finest_tolerance > 0)
+    table.add("kept", fmt::format("vertices of answers at {} m and more; samples are not restored", d.finest_tolerance));
   if (const std::string above = above_text(p); !above.empty()) table.add("vertices above", above);
   table.add("made by", p.generation == 0 ? p.made_by : fmt::format("{}, updated {} times", p.made_by, p.generation));
   constexpr std::size_t kListed = 8;

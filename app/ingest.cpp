@@ -20,7 +20,7 @@ namespace {
 
 struct Request {
   std::vector<std::string> files;  // the database last
-  std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step;
+  std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step, tolerance;
   IngestOptions options;
   bool update = false, dry_run = false, json = false;
 
@@ -31,6 +31,7 @@ struct Request {
 void settle_options(Request& request) {
   IngestOptions& o = request.options;
   o.void_weight = parse_weight(request.void_weight);
+  if (!request.tolerance.empty()) o.finest_tolerance = parse_tolerance(request.tolerance).value;
   o.memory_bytes = parse_bytes(request.memory);
   if (!request.cell.empty()) {
     const auto [dx, dy] = parse_cell(request.cell);
@@ -43,6 +44,8 @@ void settle_options(Request& request) {
     o.inputs.grid = grid_of(Database::open(request.grid_of).snapshot().description());
     o.inputs.grid->step.reset();  // its grid, not its heights
   }
+  if (request.update && o.finest_tolerance > 0)
+    throw Failure(Cause::invalid_argument, "--tolerance is chosen when a database is made; it does not go with --update");
   if (request.dry_run && request.update)
     throw Failure(Cause::invalid_argument, "--dry-run tells of an ingest; it does not go with --update");
 }
@@ -190,6 +193,11 @@ void add_ingest(CLI::App& program, Action& action) {
                    "Metres of error per metre of ground where a triangle mixes data and void: a larger\n"
                    "weight draws the outline of the data more finely")
       ->option_text("W [1]");
+  command
+      ->add_option("--tolerance", request->tolerance,
+                   "Keep only the vertices that an answer at M metres needs: a smaller file that answers no\n"
+                   "finer and cannot be updated; without it every sample is kept, bit for bit")
+      ->option_text("M");
   command->add_option("--progress", request->progress, "On a terminal, as JSON lines on standard error, or not")
       ->option_text("auto|json|none");
   command->add_flag("--json", request->json, "Print one JSON object");

@@ -39,6 +39,13 @@ std::string why_empty(GridRect region) {
   return "no triangle: the region holds no three neighbouring samples of data";
 }
 
+std::string why_coarser(const Description& d, Metres tolerance) {
+  const double finest = std::max(d.lossy_metres, d.finest_tolerance);
+  if (tolerance.value >= finest) return "";
+  return fmt::format("the finest there is: {}", d.finest_tolerance > 0 ? fmt::format("ingest kept the vertices of {} m", finest)
+                                                                       : fmt::format("ingest rounded heights by up to {} m", finest));
+}
+
 Exit run(const Request& request) {
   const Metres tolerance = parse_tolerance(request.tolerance);
   std::optional<Rectangle> rectangle;
@@ -74,6 +81,7 @@ Exit run(const Request& request) {
   table.add("region", bounds_text(description, mesh.region));
   table.add("tolerance", metres(tolerance.value));
   table.add("bound", metres(answer.quadtree.bound.value));
+  if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh",
             fmt::format("{} vertices, {} triangles", counted(mesh.points.size()), counted(mesh.triangles.size())));
   if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));

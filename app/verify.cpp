@@ -60,9 +60,9 @@ Json to_json(const VerifyReport& report, std::optional<Metres> tolerance) {
             {"samples", report.samples},
             {"findings", report.findings},
             {"finding_count", report.finding_count}};
-  if (tolerance && report.true_error) {
+  if (report.true_error) {
     json["true_error"] = report.true_error->value;
-    json["tolerance"] = tolerance->value;
+    if (tolerance) json["tolerance"] = tolerance->value;
     json["vertices"] = report.vertices;
     json["triangles"] = report.triangles;
     json["covered_samples"] = report.covered_samples;
@@ -79,9 +79,9 @@ Table to_table(const Request& request, const VerifyReport& report, std::optional
     checked += fmt::format(", {} samples against {}", counted(report.samples), request.against_name());
   }
   table.add("checked", checked);
-  if (tolerance && report.true_error) {
+  if (report.true_error) {
     table.add("mesh", fmt::format("{} vertices, {} triangles", counted(report.vertices), counted(report.triangles)));
-    table.add("tolerance", metres(tolerance->value));
+    table.add("tolerance", tolerance ? metres(tolerance->value) : "the finest of the database");
     table.add("true error", fmt::format("{}, over all valid samples under the mesh", metres(report.true_error->value)));
     table.add("covered", fmt::format("{} samples", counted(report.covered_samples)));
     if (report.uncovered_samples > 0) {

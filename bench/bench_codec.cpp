@@ -72,7 +72,7 @@ void measure(const char* file) {
       static_cast<void>(decoder.decode(pages[i].id, extent, manifest.bands, distance, written[i]));
     });
     decoding_heights += each([&](std::size_t i) {
-      static_cast<void>(decoder.decode_heights(pages[i].id, extent, manifest.bands, written[i]));
+      static_cast<void>(decoder.decode_heights(pages[i].id, extent, manifest.bands, distance, written[i]));
     });
     for (std::size_t i = 0; i < pages.size(); ++i) {
       const auto size = static_cast<double>(written[i].size());

@@ -360,6 +360,9 @@ void CoarseLevels::measure_large(const ForEachTile& tiles, const ReadBack& read_
   collect_large();
   if (large_.empty()) return;
   tiles([&](TileId id, const TileSummary& summary) { bound_in(id, summary); });
+  if (!read_back) {
+    for (Large& half : large_) half.largest = std::max(half.largest, half.best_bound);
+  }
   for (Large& half : large_) {  // the block that promises most first: then few others can exceed it
     if (half.best_bound <= half.largest) continue;
     const GridRect square = square_of_block(half.best_tile, half.best_block);

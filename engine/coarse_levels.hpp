@@ -16,6 +16,7 @@ namespace talus {
 /// Calls visit(tile, summary) for every tile that has one, in any order, always the same.
 using ForEachTile = std::function<void(const std::function<void(TileId, const TileSummary&)>&)>;
 /// A page of band 0 with its heights, until the next call. Null where none is stored: no sample there is data.
+/// No function: pages do not have all heights, and what planes bound is taken for the distance.
 using ReadBack = std::function<const Page*(PageId)>;
 
 class CoarseLevels {

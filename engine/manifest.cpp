@@ -27,10 +27,11 @@ void require_plausible(const Manifest& m) {
   }
   if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
   for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor,
-                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres}) {
+                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres,
+                         d.finest_tolerance}) {
     if (!std::isfinite(v)) refuse("a number that is none");
   }
-  if (d.lossy_metres < 0) refuse("a negative loss");
+  if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("a negative loss");
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
     refuse("number of coarsest pages does not fit the extent");
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
@@ -67,7 +68,8 @@ std::vector<std::byte> encode(const Manifest& m) {
        {{"kind", "exact"},
         {"metric", "vertical"},
         {"void_weight", d.void_weight},
-        {"lossy_bound", d.lossy_metres}}},
+        {"lossy_bound", d.lossy_metres},
+        {"finest_tolerance", d.finest_tolerance}}},
       {"generation", m.generation},
       {"top_generations", m.top_generations},
   };
@@ -120,6 +122,7 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.void_samples = whole<std::uint64_t>(json.at("heights").at("void_samples"));
     d.void_weight = errors.at("void_weight");
     d.lossy_metres = errors.at("lossy_bound");
+    d.finest_tolerance = errors.value("finest_tolerance", 0.0);
     m.generation = whole<std::uint32_t>(json.at("generation"));
     for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));
   } catch (const Json::exception& e) {

@@ -34,11 +34,14 @@ ChildEntry joined(const ChildEntry& a, const ChildEntry& b) {
 
 ChildEntry range_of(const Page& page, const HeightStep& step) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for (std::size_t i = 0; i < page.heights.size(); ++i) {
-    if (!page.valid.empty() && !page.valid[i]) continue;
-    const double height = step.value(page.heights[i]);
-    lowest = std::min(lowest, height);
-    highest = std::max(highest, height);
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      const std::size_t i = page.index(col, row);
+      if ((!page.valid.empty() && !page.valid[i]) || page.is_dropped(col, row)) continue;
+      const double height = step.value(page.heights[i]);
+      lowest = std::min(lowest, height);
+      highest = std::max(highest, height);
+    }
   }
   return {true, 0, rounded_down(lowest), rounded_up(highest)};
 }
@@ -55,7 +58,8 @@ enum Flag : std::uint8_t {
   kIsNarrow = 4,
   kHasChildren = 8,
   kInnerCoversFollow = 16,
-  kAllFlags = 31
+  kDropsHeights = 32,
+  kAllFlags = 63
 };
 
 /// Which errors are implied, and in what arithmetic.
@@ -152,13 +156,19 @@ struct ErrorsOfHeights {
   }
 };
 
-/// 1 where the height matters: data, or a corner of a triangle with data. Empty: everywhere.
+/// 1 where the height is stored: data, or a corner of a triangle with data, and not dropped. Empty: everywhere.
 void mark_needed(const Page& page, std::vector<std::uint8_t>& needed) {
   needed.clear();
-  if (page.valid.empty()) return;
-  needed.resize(page.valid.size());
-  for (std::size_t i = 0; i < needed.size(); ++i) {
+  if (page.valid.empty() && !page.drops_heights) return;
+  needed.assign(page.grid.size(), 1);
+  for (std::size_t i = 0; i < page.valid.size(); ++i) {
     needed[i] = page.valid[i] != 0 || (!page.covers.empty() && page.covers[i] != 0) ? 1 : 0;
+  }
+  if (!page.drops_heights) return;
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      if (page.is_dropped(col, row)) needed[page.index(col, row)] = 0;
+    }
   }
 }
 
@@ -213,6 +223,21 @@ struct PageEncoder::Scratch {
   StoredErrors stored;
   NumberWriter out;
 
+  /// Heights that the reader does not have yet when it reads errors are left out.
+  void begin(const Page& given) {
+    page.id = given.id;
+    page.bands = given.bands;
+    page.grid = given.grid;
+    page.drops_heights = given.drops_heights;
+    page.extent = given.extent;
+    page.valid = given.valid;
+    page.heights.clear();
+    if (!page.drops_heights) page.heights = given.heights;
+    page.eighths.clear();
+    page.distances.clear();
+    page.errors.assign(given.grid.size(), 0);
+  }
+
   /// The first kind whose every error is the one that ingest computed.
   Implied find_implied(const Page& given, Coding coding, bool is_narrow, const CodeDistance& distance) {
     const auto fits = [&](Implied kind) {
@@ -227,7 +252,7 @@ struct PageEncoder::Scratch {
       }
       return true;
     };
-    if (given.id.band != 0 || given.heights.empty()) {
+    if (given.id.band != 0 || given.heights.empty() || given.drops_heights) {
       errors_of.imply(Implied::none, narrow_square, page);
       return Implied::none;
     }
@@ -292,6 +317,8 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   if (!page.valid.empty()) put_voids(page.grid, page.valid, kVoidsFrom, s.out);
   const bool inner_follow =
       !page.covers.empty() && put_covers(page.id, page.bands, page.grid, page.valid, page.covers, kCoversFrom, s.out);
+  s.begin(page);
+  if (page.drops_heights) s.stored.put(page.errors, s.page, distance, kErrorsFrom, s.out);
   if (is_narrow) {
     s.narrow_square.assign(kSquare, 0);
     place.into_square(s.numbers, s.narrow_square);
@@ -304,20 +331,14 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   }
   if (!page.children.empty()) put_children(page.children, s.out);
 
-  s.page.id = page.id;
-  s.page.bands = page.bands;
-  s.page.grid = page.grid;
-  s.page.heights = page.heights;
-  s.page.valid = page.valid;
-  const Implied implied = s.find_implied(page, coding, is_narrow, distance);
-  s.page.errors.assign(n, 0);
-  s.stored.put(page.errors, s.page, distance, kErrorsFrom, s.out);
+  const Implied implied = page.drops_heights ? Implied::none : s.find_implied(page, coding, is_narrow, distance);
+  if (!page.drops_heights) s.stored.put(page.errors, s.page, distance, kErrorsFrom, s.out);
 
   std::vector<std::byte> bytes;
   bytes.reserve(n);
   const int flags = (page.valid.empty() ? 0 : kHasVoids) | (page.covers.empty() ? 0 : kHasCovers) |
                     (is_narrow ? kIsNarrow : 0) | (page.children.empty() ? 0 : kHasChildren) |
-                    (inner_follow ? kInnerCoversFollow : 0);
+                    (inner_follow ? kInnerCoversFollow : 0) | (page.drops_heights ? kDropsHeights : 0);
   talus::put(bytes, kVersion);
   talus::put(bytes, static_cast<std::uint8_t>(coding));
   talus::put(bytes, static_cast<std::uint8_t>(flags));
@@ -378,12 +399,14 @@ PageDecoder::~PageDecoder() = default;
 PageDecoder::PageDecoder(PageDecoder&&) noexcept = default;
 PageDecoder& PageDecoder::operator=(PageDecoder&&) noexcept = default;
 
-void PageDecoder::decode_up_to_errors(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes) {
+void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                              std::span<const std::byte> bytes) {
   Scratch& s = *scratch_;
   Page& page = s.page;
   page.id = id;
   page.bands = bands;
   page.grid = page_grid(id, extent);
+  page.extent = extent;
   const Placement place(page.grid);
   const std::size_t n = page.grid.size();
   if (bytes.size() < kHeader) s.corrupt("ends early");
@@ -398,7 +421,8 @@ void PageDecoder::decode_up_to_errors(PageId id, GridRect extent, int bands, std
   if (((flags & kHasChildren) != 0) != (id.band > 0))
     s.corrupt("table of pages below where none belongs, or none where one does");
   s.implied = static_cast<Implied>(implied);
-  if (implied > 3 || (implied != 0 && (id.band > 0 || n == 0)) ||
+  page.drops_heights = (flags & kDropsHeights) != 0;
+  if (implied > 3 || (implied != 0 && (id.band > 0 || n == 0 || page.drops_heights)) ||
       (s.implied == Implied::whole && (coding != Coding::whole || (flags & kIsNarrow) == 0)))
     s.corrupt("impossible kind of implied errors");
   if ((byte(4) | byte(5) << 8) != static_cast<unsigned>(page.grid.cols) ||
@@ -424,7 +448,11 @@ void PageDecoder::decode_up_to_errors(PageId id, GridRect extent, int bands, std
                     s.in))
       s.corrupt("impossible triangles around a vertex");
   }
-
+  if (page.drops_heights) {
+    page.heights.clear();
+    page.errors.assign(n, 0);
+    if (!s.stored.get(page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+  }
   mark_needed(page, s.needed);
   std::span<const std::uint8_t> coded;
   if (!s.needed.empty() || !place.is_whole()) {
@@ -450,18 +478,21 @@ void PageDecoder::decode_up_to_errors(PageId id, GridRect extent, int bands, std
   if ((flags & kHasChildren) != 0 && !get_children(page.children, s.in)) s.corrupt("impossible table of pages below");
 }
 
-const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes) {
-  decode_up_to_errors(id, extent, bands, bytes);
+const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                        std::span<const std::byte> bytes) {
+  decode_most(id, extent, bands, distance, bytes);
   return scratch_->page;
 }
 
 const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
                                 std::span<const std::byte> bytes) {
-  decode_up_to_errors(id, extent, bands, bytes);
+  decode_most(id, extent, bands, distance, bytes);
   Scratch& s = *scratch_;
   s.errors_of.imply(s.implied, s.narrow_square, s.page);
-  s.page.errors.assign(s.page.grid.size(), 0);
-  if (!s.stored.get(s.page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+  if (!s.page.drops_heights) {
+    s.page.errors.assign(s.page.grid.size(), 0);
+    if (!s.stored.get(s.page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+  }
   if (!s.in.is_intact()) s.corrupt("bits missing or left over");
   return s.page;
 }

@@ -42,10 +42,20 @@ struct Page {
   std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
   std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
 
+  /// Heights of own vertices with error 0 are not stored, save near the border: they lie on the surface that the others
+  /// make, and a reader finds them there (KeptHeights). Decoded they are anything.
+  bool drops_heights = false;
+  GridRect extent{{0, 0}, {-1, -1}};  ///< of all data; says where the border is, where heights are dropped
+
   [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
   }
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
+  /// Of a page with errors, encoded or decoded.
+  [[nodiscard]] bool is_dropped(std::int32_t col, std::int32_t row) const {
+    const GridPoint p = grid.at(col, row);
+    return drops_heights && errors[index(col, row)] == 0 && is_own(p) && !is_near_border(p, extent);
+  }
   /// Of a decoded page.
   [[nodiscard]] bool is_implied(std::size_t i) const {
     return eighths.empty() ? !distances.empty() && distances[i] >= 0 : eighths[i] >= 0;
@@ -60,7 +70,7 @@ struct Page {
   }
 };
 
-/// An entry with the range of a page's valid heights, and no error yet.
+/// An entry with the range of a page's valid heights (those it holds, if some were dropped), and no error yet.
 [[nodiscard]] ChildEntry range_of(const Page& page, const HeightStep& step);
 
 /// Writes pages one after the other with the same memory.
@@ -71,7 +81,8 @@ class PageEncoder {
   PageEncoder(PageEncoder&&) noexcept;
   PageEncoder& operator=(PageEncoder&&) noexcept;
 
-  /// Lossless: decode(encode(page)) is page, heights bit for bit, but for heights of voids that no triangle needs.
+  /// Lossless: decode(encode(page)) is page, heights bit for bit, but for heights of voids that no triangle needs and
+  /// those that the page drops.
   /// What `errors` of a page says is never changed: an error is implied only if what follows from the heights is
   /// that very code. Pure: the same page gives the same bytes anywhere.
   ///
@@ -108,12 +119,15 @@ class PageDecoder {
   /// cost   about 4 ns a sample
   [[nodiscard]] const Page& decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
                                    std::span<const std::byte> bytes);
-  /// Without the errors, which stay empty, and unchecked.
-  [[nodiscard]] const Page& decode_heights(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
+  /// Without the errors, which stay empty unless heights were dropped by them, and unchecked.
+  [[nodiscard]] const Page& decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                           std::span<const std::byte> bytes);
 
  private:
   struct Scratch;
-  void decode_up_to_errors(PageId id, GridRect extent, int bands, std::span<const std::byte> bytes);
+  /// All but errors that follow from heights, or come behind them.
+  void decode_most(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                   std::span<const std::byte> bytes);
   std::unique_ptr<Scratch> scratch_;
 };
 

@@ -138,4 +138,13 @@ struct PageGrid {
 /// below it.
 [[nodiscard]] std::vector<PageId> pages_of_band(int band, GridRect extent);
 
+/// Whether a vertex is one of those that keep their heights whatever their error: a triangle at it, or at a vertex that
+/// depends on it, may leave the extent, and samples beside such a triangle are in nobody's error. With a vertex, the two
+/// that it depends on are near: a side midpoint's apexes lie s away and reach 3s, theirs lie s further and reach 4s.
+[[nodiscard]] constexpr bool is_near_border(GridPoint p, GridRect extent) {
+  const std::int64_t s = spacing(p), reach = is_centre(p) ? 3 * s : 2 * s;
+  return p.col - reach < extent.first.col || p.col + reach > extent.last.col || p.row - reach < extent.first.row ||
+         p.row + reach > extent.last.row;
+}
+
 }  // namespace talus

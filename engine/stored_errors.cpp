@@ -56,7 +56,7 @@ ErrorCode StoredErrors::at_least(const Page& page, const Vertex& v, const CodeDi
   double metres = 0;
   const Diamond d = diamond(unit);
   const GridPoint a = local(d.ends[0]), b = local(d.ends[1]);
-  if (has(a) && has(b)) {
+  if (!page.heights.empty() && has(a) && has(b)) {
     const std::size_t one = page.index(a.col, a.row), other = page.index(b.col, b.row);
     if (is_data(v.index) && is_data(one) && is_data(other)) {
       const double middle = page.heights[one] / 2 + page.heights[other] / 2;

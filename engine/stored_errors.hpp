@@ -15,7 +15,7 @@ namespace talus {
 inline constexpr int kErrorContexts = 16;
 
 /// A vertex's error is at least the distance of its own sample from the middle of its side or diagonal, and at least
-/// its children's errors, which come before it: finest level first, side midpoints before centres, row by row.
+/// its children's errors, which come before it (of a page without heights, those only): finest level first, side midpoints before centres, row by row.
 class StoredErrors {
  public:
   /// `all` codes of own vertices; `page` as decode would have it by now, errors 0. Fills them in.

@@ -35,6 +35,7 @@ std::uint32_t Base::generation_of(PageKey key, std::span<const std::byte> conten
 void Base::fill(Window& window) const {
   const GridRect& extent = manifest_.description.extent;
   if (!overlap(window.region, extent)) return;
+  const CodeDistance distance(manifest_.description.step, manifest_.description.metres_per_unit);
   PageDecoder decoder;
   const PageId first = page_of({std::max(window.region.first.col, extent.first.col),
                                 std::max(window.region.first.row, extent.first.row)}, 0);
@@ -45,7 +46,7 @@ void Base::fill(Window& window) const {
       const PageId id{0, x, y};
       const auto stored = txn_.find({0, curve_position(id)});
       if (!stored) continue;  // voids only
-      const Page& page = decoder.decode_heights(id, extent, manifest_.bands, stored->content);
+      const Page& page = decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content);
       for (std::int32_t row = 0; row < page.grid.rows; ++row) {
         for (std::int32_t col = 0; col < page.grid.cols; ++col) {
           const GridPoint p = page.grid.at(col, row);

@@ -37,6 +37,7 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   Description description = source.description();
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
+  description.finest_tolerance = options.finest_tolerance;
   Job job = job_of(
       description, code_bytes(code_kind(source.description())), [&](GridRect part, GridRect own) { return source.read(part, own); }, options);
   const auto left = options.resume      ? PartFile::Left::resume
@@ -68,6 +69,7 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   Description description = source.description();
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
+  description.finest_tolerance = options.finest_tolerance;
   return estimate(job_of(description, code_bytes(code_kind(source.description())),
                          [&](GridRect part, GridRect own) { return source.read(part, own); }, options),
                   source);

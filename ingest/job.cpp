@@ -173,12 +173,12 @@ Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, s
     const PageKey key{id.band, curve_position(id)};
     const auto stored = view.find(key);
     if (!stored) return nullptr;
-    const Page& page = decoder.decode_heights(id, job.description.extent, job.making.bands, stored->content);
+    const Page& page = decoder.decode_heights(id, job.description.extent, job.making.bands, job.distance, stored->content);
     view.forget(key);
     return &page;
   };
   if (totals.valid == 0) return totals;
-  levels.settle(tiles, read_back);
+  levels.settle(tiles, job.making.kept_above > 0 ? ReadBack() : read_back);
   report.pages_read_back = levels.pages_read_back();
   pack_coarse(levels, totals.entries, job.making, [&](PageBytes page) { pages.push_back(std::move(page)); });
   return totals;
@@ -220,6 +220,16 @@ void require_sense(const IngestOptions& options) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
   }
+  const double coarsest = 1e6;
+  if (!(options.finest_tolerance >= 0) || options.finest_tolerance > coarsest) {
+    throw Failure(Cause::invalid_argument, fmt::format("finest tolerance {} m: expected metres, 0 to {}",
+                                                       options.finest_tolerance, coarsest));
+  }
+  if (options.finest_tolerance > 0 && options.finest_tolerance <= options.inputs.height_step / 2) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("finest tolerance {} m: heights rounded to {} m lie up to {} m off; ask for more",
+                              options.finest_tolerance, options.inputs.height_step, options.inputs.height_step / 2));
+  }
 }
 
 }  // namespace
@@ -231,7 +241,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow 
   job.is_stale = [](TileId) { return false; };
   job.distance = CodeDistance(d.step, d.metres_per_unit);
   job.making = {d.extent, d.step, job.distance, band_count(d.extent),
-                [](PageKey, std::span<const std::byte>) { return 0u; }};
+                d.kept_above(), [](PageKey, std::span<const std::byte>) { return 0u; }};
   job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code);
   return job;
 }

@@ -15,6 +15,7 @@ namespace {
 std::string typed(const IngestOptions& options) {
   const InputOptions& in = options.inputs;
   std::string text;
+  if (options.finest_tolerance != 0) text += fmt::format(", --tolerance {}", options.finest_tolerance);
   if (options.void_weight != 1) text += fmt::format(", --void-weight {}", options.void_weight);
   if (!in.srs.empty()) text += fmt::format(", --srs {}", in.srs);
   if (!in.vertical_unit.empty()) text += fmt::format(", --vertical-unit {}", in.vertical_unit);

@@ -30,6 +30,7 @@ Page empty_page(PageId id, const PageMaking& making, bool voids) {
   Page page;
   page.id = id;
   page.bands = making.bands;
+  page.extent = making.extent;
   page.grid = page_grid(id, making.extent);
   page.heights.resize(page.grid.size());
   page.errors.assign(page.grid.size(), 0);
@@ -75,8 +76,31 @@ void with_children(Page& page, ChildEntry& entry, const Entries& below) {
   }
 }
 
+/// A page without the heights that the finest answer does not need.
+Page with_kept_heights(const Page& page, const PageMaking& making) {
+  Page kept = page;
+  kept.drops_heights = true;
+  const ErrorCode dropped = largest_code_within(making.kept_above);
+  for (ErrorCode& error : kept.errors) error = error > dropped ? error : ErrorCode{0};
+  return kept;
+}
+
+ErrorCode largest_error(const Page& page) {
+  ErrorCode largest = *std::max_element(page.errors.begin(), page.errors.end());
+  for (const ChildEntry& child : page.children) largest = std::max(largest, child.largest);
+  return largest;
+}
+
 PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, const PageMaking& making) {
   PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance), 0};
+  if (making.kept_above > 0 && page.grid.size() > 0) {  // errors that no longer follow from heights may take more than those heights did
+    const Page kept = with_kept_heights(page, making);
+    std::vector<std::byte> content = encoder.encode(kept, making.distance);
+    if (content.size() < made.content.size()) {
+      made.content = std::move(content);
+      entry.largest = largest_error(kept);
+    }
+  }
   made.generation = making.generation(made.key, made.content);
   entry.generation = made.generation;
   return made;

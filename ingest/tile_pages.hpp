@@ -17,6 +17,7 @@ struct PageMaking {
   HeightStep step;
   CodeDistance distance;
   int bands = kFewestBands;
+  double kept_above = 0;  ///< see Description
   /// The generation a page is stored with: that of the page it replaces if the bytes are the same.
   std::function<std::uint32_t(PageKey, std::span<const std::byte>)> generation;
 };

@@ -63,12 +63,21 @@ void require_same_heights(const Description& base, const Description& fresh) {
                             base.step.scale / base.step.divisor, base.vertical_unit));
 }
 
+void require_all_samples(const Description& base, const std::filesystem::path& database) {
+  if (base.finest_tolerance == 0) return;
+  throw Failure(Cause::unsupported,
+                fmt::format("{}: keeps only the vertices of answers at {} m and more (--tolerance); beside new data errors "
+                            "would be those of what is left: ingest the sources anew",
+                            database.string(), base.finest_tolerance));
+}
+
 }  // namespace
 
 IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& asked) {
   const Base base(database);
   const Description& before = base.manifest().description;
+  require_all_samples(before, database);
   IngestOptions options = asked;
   options.void_weight = before.void_weight;
   options.inputs.grid = grid_of(before);

@@ -90,6 +90,14 @@ Mesh Snapshot::mesh(const Rectangle& rectangle, Metres tolerance) const {
   return triangulate(range(region(rectangle), tolerance).quadtree);
 }
 
-SampleWindow Snapshot::samples(GridRect region) const { return stored_samples(view_->pages, region); }
+SampleWindow Snapshot::samples(GridRect region) const {
+  if (const double finest = description().finest_tolerance; finest > 0) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("the database keeps only the vertices of answers at {} m and more: it cannot restore "
+                              "samples; ask for a surface at that tolerance",
+                              finest));
+  }
+  return stored_samples(view_->pages, region).window;
+}
 
 }  // namespace talus

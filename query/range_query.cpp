@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/border.hpp"
+#include "query/kept_heights.hpp"
 
 namespace talus {
 namespace {
@@ -43,12 +44,13 @@ class RangeQuery {
         region_(region),
         asked_(tolerance.value),
         lossy_(manifest_.description.lossy_metres),
-        tolerance_(std::max(0.0, tolerance.value - lossy_)),
+        tolerance_(std::max(manifest_.description.kept_above(), tolerance.value - lossy_)),
         threshold_(largest_code_within(tolerance_)),
         largest_distance_(largest_distance_within(tolerance_, pages.distance())),
         largest_eighths_(largest_eighths_within(largest_distance_)),
         vertices_(region),
-        cost_(pages.cost_of_header()) {}
+        cost_(pages.cost_of_header()),
+        kept_heights_(pages, cost_) {}
 
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
@@ -147,7 +149,7 @@ class RangeQuery {
     const std::size_t i = page.index(col, row);
     vertices_.insert(p);
     here_.at.push_back(p);
-    here_.heights.push_back(page.heights[i]);
+    here_.heights.push_back(kept_heights_.is_kept(page, col, row) ? page.heights[i] : kept_heights_.at(p));
     if (!page.covers.empty()) here_.covers.push_back(page.covers[i]);
   }
 
@@ -195,11 +197,12 @@ class RangeQuery {
   }
 
   [[nodiscard]] double bound() const {
-    double metres = error_of(largest_absent_);
+    double metres = std::max(error_of(largest_absent_), manifest_.description.kept_above());
     if (largest_absent_distance_ >= 0) {
       metres = std::max(metres, std::min(tolerance_, pages_.distance().metres(largest_absent_distance_)));
     }
-    const bool heights_are_exact = pages_.distance().is_binary() && manifest_.description.step.offset == 0;
+    const bool heights_are_exact = pages_.distance().is_binary() && manifest_.description.step.offset == 0 &&
+                                   manifest_.description.finest_tolerance == 0;
     return metres + lossy_ + (heights_are_exact ? 0 : kDecimalRounding);
   }
 
@@ -220,6 +223,7 @@ class RangeQuery {
   ErrorCode largest_absent_ = 0;
   double largest_absent_distance_ = -1;
   QueryCost cost_;
+  KeptHeights kept_heights_;
 };
 
 void require_inside(const StoredPages& pages, GridRect region) {
@@ -233,7 +237,8 @@ void require_inside(const StoredPages& pages, GridRect region) {
   }
 }
 
-void copy_samples(const Page& page, const HeightStep& step, SampleWindow& to) {
+void copy_samples(const Page& page, const HeightStep& step, StoredSamples& stored) {
+  SampleWindow& to = stored.window;
   for (std::int32_t row = 0; row < page.grid.rows; ++row) {
     for (std::int32_t col = 0; col < page.grid.cols; ++col) {
       const GridPoint p = page.grid.at(col, row);
@@ -241,6 +246,7 @@ void copy_samples(const Page& page, const HeightStep& step, SampleWindow& to) {
       if (!to.region.contains(p) || (!page.valid.empty() && !page.valid[i])) continue;
       to.values[to.index(p)] = step.value(page.heights[i]);
       to.valid[to.index(p)] = 1;
+      if (page.is_dropped(col, row)) stored.dropped[to.index(p)] = 1;
     }
   }
 }
@@ -256,12 +262,14 @@ Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance) 
   return RangeQuery(pages, region, tolerance).run();
 }
 
-SampleWindow stored_samples(const StoredPages& pages, GridRect region) {
+StoredSamples stored_samples(const StoredPages& pages, GridRect region) {
   require_inside(pages, region);
-  SampleWindow window;
+  StoredSamples stored;
+  SampleWindow& window = stored.window;
   window.region = region;
   window.values.assign(static_cast<std::size_t>(region.samples()), 0);
   window.valid.assign(window.values.size(), 0);
+  if (pages.manifest().description.finest_tolerance > 0) stored.dropped.assign(window.values.size(), 0);
   const HeightStep& step = pages.manifest().description.step;
   QueryCost unused;
   PageDecoder decoder;
@@ -273,14 +281,14 @@ SampleWindow stored_samples(const StoredPages& pages, GridRect region) {
       const PageId child = child_page(id, i);
       if (children[i].present && overlap(page_square(child), region)) self(self, child, children[i].generation);
     }
-    if (id.band == 0) copy_samples(page, step, window);
+    if (id.band == 0) copy_samples(page, step, stored);
   };
   const Manifest& manifest = pages.manifest();
   const auto tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
   for (std::size_t i = 0; i < tops.size(); ++i) {
     if (overlap(page_square(tops[i]), region)) visit(visit, tops[i], manifest.top_generations[i]);
   }
-  return window;
+  return stored;
 }
 
 }  // namespace talus

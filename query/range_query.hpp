@@ -8,7 +8,11 @@ namespace talus {
 /// See Snapshot::range.
 [[nodiscard]] Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance);
 
-/// The samples of a region from the finest pages. See Snapshot::samples.
-[[nodiscard]] SampleWindow stored_samples(const StoredPages& pages, GridRect region);
+struct StoredSamples {
+  SampleWindow window;
+  std::vector<std::uint8_t> dropped;  ///< 1 where a height was not kept and the value says nothing; empty: nowhere
+};
+/// The samples of a region from the finest pages.
+[[nodiscard]] StoredSamples stored_samples(const StoredPages& pages, GridRect region);
 
 }  // namespace talus

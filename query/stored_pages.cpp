@@ -52,7 +52,7 @@ const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDe
                                      QueryCost& cost) const {
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
-  return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, stored.content);
+  return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
 }
 
 }  // namespace talus

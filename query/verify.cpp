@@ -45,7 +45,7 @@ class Verification {
       const GridRect strip{{extent_.first.col, row},
                            {extent_.last.col, std::min(row + kPageSide - 1, extent_.last.row)}};
       const SampleWindow expected = truth(strip);
-      SampleWindow stored;
+      StoredSamples stored;
       try {
         stored = stored_samples(pages_, strip);
       } catch (const Failure& f) {
@@ -54,6 +54,15 @@ class Verification {
       }
       compare(stored, expected);
     }
+  }
+
+  /// Of a database that did not keep all samples.
+  void finest_answer(const SampleReader& truth) {
+    const double finest = pages_.manifest().description.finest_tolerance;
+    true_error_of(Metres{finest}, truth);
+    constexpr double kRounding = 1e-9;  // metres, of the surface's arithmetic
+    if (report.true_error->value > finest * (1 + 1e-12) + kRounding)
+      find(fmt::format("the finest answer is {} m off, the database promises {} m", report.true_error->value, finest));
   }
 
   void true_error_of(Metres tolerance, const SampleReader& truth) {
@@ -117,13 +126,20 @@ class Verification {
       } else if (said.present && said.generation != found->second.generation) {
         find(fmt::format("{}: written by update {}, the page above it says {}", name(below), found->second.generation,
                          said.generation));
-      } else if (said.present && (said.lowest != found->second.lowest || said.highest != found->second.highest)) {
+      } else if (said.present && !is_range_of(said, found->second)) {
         find(fmt::format("{}: heights {} to {}, the page above it says {} to {}", name(below), found->second.lowest,
                          found->second.highest, said.lowest, said.highest));
       }
       if (said.present) entry = joined(entry, said);
     }
     return entry;
+  }
+
+  /// The range is that of all samples, and some may not be there any more.
+  [[nodiscard]] bool is_range_of(const ChildEntry& said, const ChildEntry& found) const {
+    if (pages_.manifest().description.finest_tolerance > 0)
+      return said.lowest <= found.lowest && said.highest >= found.highest;
+    return said.lowest == found.lowest && said.highest == found.highest;
   }
 
   /// Parents in the same page; those beyond it are held by the answer's true error.
@@ -141,11 +157,13 @@ class Verification {
     }
   }
 
-  void compare(const SampleWindow& stored, const SampleWindow& expected) {
+  void compare(const StoredSamples& samples, const SampleWindow& expected) {
+    const SampleWindow& stored = samples.window;
     for (std::size_t i = 0; i < expected.values.size(); ++i) {
       ++report.samples;
       const bool data = expected.valid[i] != 0;
-      if (data == (stored.valid[i] != 0) && (!data || std::bit_cast<std::uint64_t>(stored.values[i]) ==
+      const bool dropped = !samples.dropped.empty() && samples.dropped[i] != 0;
+      if (data == (stored.valid[i] != 0) && (!data || dropped || std::bit_cast<std::uint64_t>(stored.values[i]) ==
                                                           std::bit_cast<std::uint64_t>(expected.values[i]))) {
         continue;
       }
@@ -176,6 +194,8 @@ VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth) {
   Verification v(pages_of(snapshot));
   v.structure();
   if (v.report.finding_count == 0) v.samples(truth);
+  const double finest = snapshot.description().finest_tolerance;
+  if (v.report.finding_count == 0 && finest > 0) v.finest_answer(truth);
   return v.report;
 }
 

@@ -68,7 +68,8 @@ class Snapshot {
   /// samples near them.
   ///
   /// region     within the extent
-  /// tolerance  metres, >= 0, infinity allowed
+  /// tolerance  metres, >= 0, infinity allowed; below what stored heights can keep (Description::lossy_metres and
+  ///            finest_tolerance) the answer is the finest there is, and its bound says so
   /// returns    an empty quadtree's mesh has no triangles: only voids, or a region one sample wide
   /// fails      invalid_argument; corrupt for a damaged page
   /// cost       pages that hold something above the tolerance, their ancestors, and those on odd borders
@@ -80,6 +81,7 @@ class Snapshot {
   [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
 
   /// Stored samples, bit for bit as the source had them. `region` within the extent.
+  /// fails  invalid_argument; unsupported: a database that keeps the vertices of a tolerance only
   [[nodiscard]] SampleWindow samples(GridRect region) const;
 
  private:
@@ -125,7 +127,8 @@ using SampleReader = std::function<SampleWindow(GridRect)>;
 /// Structure: every page's checksum and content, page tables against pages, errors never below their
 /// children's. Memory: a few rows of pages.
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot);
-/// That, and every stored sample against the truth, bit for bit.
+/// That, and every stored sample against the truth, bit for bit. Of a database with a finest tolerance those it kept,
+/// and the whole answer at that tolerance, as below.
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth);
 /// That, and the true error of the whole answer at a tolerance: its mesh held against every sample.
 /// Memory: the mesh and a strip of samples.

@@ -35,6 +35,10 @@ struct Description {
   std::uint64_t void_samples = 0;
   double void_weight = 1;   ///< see IngestOptions
   double lossy_metres = 0;  ///< how far stored heights may lie from the source's; part of every answer's bound
+  /// The tolerance of the finest answer: vertices that it does not select were not kept. 0: all samples were.
+  double finest_tolerance = 0;
+  /// Metres: heights of vertices whose error is not above were not kept. 0: all were.
+  [[nodiscard]] double kept_above() const { return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0; }
 };
 
 /// One file that a database was made from.

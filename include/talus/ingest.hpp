@@ -53,6 +53,9 @@ struct IngestOptions {
   bool overwrite = false;    ///< replace an existing database; without it one that exists is a failure
   bool resume = false;       ///< go on with what an interrupted ingest of the same inputs and options left
   double void_weight = 1.0;  ///< metres of error per metre of ground side where a triangle mixes data and void
+  /// Keep only the vertices that an answer at this tolerance, in metres, selects: no answer will be finer, and samples
+  /// are not restored. 0: keep all.
+  double finest_tolerance = 0;
   unsigned threads = 0;      ///< 0: one a core. The pages are the same for any number.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The pages are the same.
   InputOptions inputs = {};
@@ -101,7 +104,8 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
 ///
 /// inputs   as for ingest, brought onto the database's grid; a void does not cover data
 /// options  void_weight and resume are not looked at; overwrite: replace what an interrupted ingest left
-/// fails    as ingest; not_found, corrupt: the database. It is then as it was
+/// fails    as ingest; not_found, corrupt: the database; unsupported: one that did not keep all samples. It is then as
+///          it was
 IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 

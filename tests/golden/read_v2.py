@@ -334,7 +334,7 @@ class Page:
     def decode(self, content):
         n = self.cols * self.rows
         version, coding, flags, self.implied, cols, rows, base = struct.unpack_from("<BBBBHHq", content)
-        require(version == 2 and coding <= 8 and flags <= 31 and self.implied <= 3, "page header")
+        require(version == 2 and coding <= 8 and flags <= 63 and self.implied <= 3, "page header")
         require((cols, rows) == (self.cols, self.rows), "page size")
         self.coding = coding
         numbers = Numbers(content[16:])
@@ -342,10 +342,22 @@ class Page:
         self.valid = self.voids(numbers) if flags & 1 else [1] * n
         self.covers = self.all_covers(numbers, flags & 16) if flags & 2 else [15] * n
         needed = [v or (flags & 1 and c) for v, c in zip(self.valid, self.covers)]
+        self.distances, self.errors, self.heights, self.drops = {}, {}, None, bool(flags & 32)
+        if self.drops:
+            require(self.implied == 0, "implied errors of a page that drops heights")
+            self.all_errors(numbers)
+            for i, p in self.points():
+                if self.errors.get(i) == 0 and not self.database.is_near_border(p):
+                    needed[i] = 0
         found = self.numbers(numbers, needed, 32 if flags & 4 else 64)
         self.heights = [height_code(signed(base + k), coding) if need else 0.0 for k, need in zip(found, needed)]
         self.below = self.children(numbers) if flags & 8 else []
-        self.distances, self.errors = {}, {}
+        if not self.drops:
+            self.all_errors(numbers)
+        numbers.finish()
+        return self
+
+    def all_errors(self, numbers):
         for i, p in self.levels():
             if self.is_implied(i, p):
                 self.distances[i] = self.distance(i, p)
@@ -356,8 +368,6 @@ class Page:
                 above = numbers.get(ERRORS + kind + (least > 0))
                 require(above <= 4001, "an error beyond the ladder")
                 self.errors[i] = (least + above) % 4002
-        numbers.finish()
-        return self
 
     def error(self, i):
         """In metres; None where another page has it."""
@@ -555,7 +565,7 @@ class Page:
             return 0
         metres, code = 0.0, 0
         a, b = (self.index(q) for q in diamond(p)[0])
-        if a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
+        if self.heights and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
             metres = self.database.metres(abs(self.heights[i] - (self.heights[a] / 2 + self.heights[b] / 2)))
         for q in map(self.index, self.below_vertex(p)):
             if q in self.distances:
@@ -621,6 +631,7 @@ class Database:
         self.children, self.side, self.bands = 2 ** layout["band_levels"], layout["page_side"], layout["bands"]
         self.extent = m["extent"]
         self.lossy = m["errors"]["lossy_bound"]
+        self.kept_above = max(m["errors"].get("finest_tolerance", 0.0) - self.lossy, 0.0)
         self.root = 1
         while self.root <= max(abs(v) for v in self.extent):
             self.root *= 2
@@ -720,9 +731,32 @@ class Database:
                 waiting += new
         return needed
 
+    def is_near_border(self, p):
+        """Section 8.1."""
+        s, (c0, r0, c1, r1) = spacing(p), self.extent
+        reach = s * (3 if p[0] & s and p[1] & s else 2)
+        return p[0] - reach < c0 or p[0] + reach > c1 or p[1] - reach < r0 or p[1] + reach > r1
+
+    def kept_height(self, p):
+        """Section 8.1: the code of a selected vertex."""
+        band = min((spacing(p).bit_length() - 1) // (self.children.bit_length() - 1), self.bands - 1)
+        unit = self.children**band
+        page = self.pages.get((band, p[0] // unit // self.side, p[1] // unit // self.side))
+        if page is None:  # generation 0: such databases are never updated
+            key = band, p[0] // unit // self.side, p[1] // unit // self.side
+            if self.tables.get(band, position(*key[1:])) is None:
+                return 0.0
+            page = self.page(*key, 0)
+        i = page.index((p[0] // unit, p[1] // unit))
+        code = page.errors[i] if i in page.errors else bisect.bisect_left(LADDER, page.error(i))
+        if self.kept_above == 0 or LADDER[code] > self.kept_above or self.is_near_border(p):
+            return page.heights[i]
+        a, b = diamond(p)[0]
+        return self.kept_height(a) / 2 + self.kept_height(b) / 2
+
     def mesh(self, region, tolerance):
         """Section 9: {triangle: as a set of grid points}, {grid point: height}."""
-        tolerance = max(tolerance - self.lossy, 0.0)
+        tolerance = max(tolerance - self.lossy, self.kept_above)
         c0, r0, c1, r1 = region
 
         def inside(p):
@@ -741,7 +775,7 @@ class Database:
             for i, p in page.points():
                 error = page.error(i) if inside(p) else None
                 if error is not None and (error > tolerance or p in forced):
-                    selected[p] = self.height(page.heights[i]), page.covers[i]
+                    selected[p] = self.height(self.kept_height(p)), page.covers[i]
 
         triangles, heights = set(), {}
         for p, (_, covers) in selected.items():

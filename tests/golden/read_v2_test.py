@@ -17,6 +17,7 @@ from pathlib import Path
 import read_v2
 
 VOID = -32768
+KEPT = 150.0  # metres
 
 
 def mountains(cols, rows, seed):
@@ -124,8 +125,27 @@ def check_several(program, folder):
     write(folder / "rounded.bin", 2, "h", first)
     rounded = folder / "int16_rounded.talus"
     talus(program, "ingest", "--overwrite", "--height-step", 2.5, folder / "rounded.bin", rounded)
+    kept = folder / "int16_kept.talus"
+    write(folder / "kept.bin", 2, "h", with_voids(each(mountains(400, 300, 17), round), 17))
+    talus(program, "ingest", "--overwrite", "--tolerance", KEPT, folder / "kept.bin", kept)
+    check_kept(program, kept, placed(with_voids(each(mountains(400, 300, 17), round), 17), "h"))
     codings = check(program, joined, expected) + check(program, updated, expected, generation=1)
     return codings + check(program, rounded, placed(first, "h"), lossy=1.25)
+
+
+def check_kept(program, file, expected):
+    """A database that keeps the vertices of KEPT metres: its answers, and that some pages hold few heights and some all."""
+    database = read_v2.Database(file)
+    answers = check_answers(program, file, database)
+    c0, r0, c1, r1 = database.extent
+    _, heights = database.mesh([c0, r0, c1, r1], KEPT)
+    for p, z in heights.items():
+        if p in expected and z != expected[p]:
+            sys.exit("%s: vertex %s of the finest answer has %g, the raster has %g" % (file.stem, p, z, expected[p]))
+    if not any(page.drops for page in database.pages.values()):
+        sys.exit("%s: no page dropped a height" % file.stem)
+    print("%-26s %6d triangles in 5 answers, %d of %d pages drop heights"
+          % (file.stem, answers, sum(page.drops for page in database.pages.values()), len(database.pages)))
 
 
 def check_samples(database, expected, lossy):
@@ -171,7 +191,7 @@ def check_records(database, found):
 
 
 def check(program, file, expected, generation=0, lossy=0.0):
-    name, answer = file.stem, file.with_suffix(".ply")
+    name = file.stem
     database = read_v2.Database(file)
     if not read_v2.seal_is_whole(file):
         sys.exit("%s: the seal does not fit" % name)
@@ -179,7 +199,15 @@ def check(program, file, expected, generation=0, lossy=0.0):
         sys.exit("%s: loss of %g m, generation %d" % (name, database.lossy, database.manifest["generation"]))
     found = check_samples(database, expected, lossy)
     check_records(database, found)
+    triangles = check_answers(program, file, database)
+    codings = sorted({page.coding for page in database.pages.values()})
+    print("%-26s %6d samples, %6d triangles in 5 answers, %3d pages, codings %s"
+          % (name, len(found), triangles, len(database.pages), codings))
+    return codings
 
+
+def check_answers(program, file, database):
+    name, answer = file.stem, file.with_suffix(".ply")
     draw = random.Random(name)
     mapping, (c0, r0, c1, r1) = database.manifest["mapping"], database.extent
     triangles = 0
@@ -202,10 +230,7 @@ def check(program, file, expected, generation=0, lossy=0.0):
         if {p: bits(z) for p, z in theirs[1].items()} != {p: bits(z) for p, z in ours[1].items()}:
             sys.exit("%s: region %s at %g m: other heights" % (name, region, tolerance))
         triangles += len(ours[0])
-    codings = sorted({page.coding for page in database.pages.values()})
-    print("%-26s %6d samples, %6d triangles in 5 answers, %3d pages, codings %s"
-          % (name, len(found), triangles, len(database.pages), codings))
-    return codings
+    return triangles
 
 
 def main():

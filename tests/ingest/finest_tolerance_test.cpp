@@ -1,0 +1,175 @@
+// Databases that keep the vertices of a tolerance only: every answer must be as good as it says, on every rectangle,
+// though its border may stand on heights that were not kept.
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "talus/talus.hpp"
+#include "tests/support/inputs.hpp"
+#include "tests/support/oracle.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/raster_file.hpp"
+#include "tests/support/surfaces.hpp"
+
+namespace talus::support {
+namespace {
+
+/// Rough and flat ground, and holes.
+Terrain ground(int cols, int rows, std::uint64_t seed, SampleType type, bool voids) {
+  Terrain terrain = fractal(cols, rows, seed, 300);
+  Random random(seed);
+  for (std::size_t i = 0; i < terrain.values.size(); ++i) {
+    double& h = terrain.values[i];
+    if (h < 0) h = 0;
+    if (type == SampleType::float32) h = std::round(h * 10) / 10;
+  }
+  for (int k = 0; voids && k < 12; ++k) {
+    const int reach = random.between(1, 20), col = random.between(0, cols - 1), row = random.between(0, rows - 1);
+    for (int y = std::max(0, row - reach); y < std::min(rows, row + reach); ++y) {
+      for (int x = std::max(0, col - reach); x < std::min(cols, col + reach); ++x)
+        terrain.valid[static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x)] = 0;
+    }
+  }
+  return fit(terrain, type);
+}
+
+class Kept {
+ public:
+  Kept(Terrain terrain, SampleType type, IngestOptions options) : terrain_(std::move(terrain)) {
+    RasterOptions file;
+    file.type = type;
+    write_raster(terrain_, folder_ / "a.tif", file);
+    static_cast<void>(ingest(folder_ / "a.tif", path(), options));
+  }
+  [[nodiscard]] std::filesystem::path path() const { return folder_ / "a.talus"; }
+  [[nodiscard]] Snapshot now() const { return Database::open(path()).snapshot(); }
+  [[nodiscard]] const Terrain& terrain() const { return terrain_; }
+  [[nodiscard]] std::vector<std::string> findings() const {
+    return verify(now(), [&](GridRect r) { return Raster(folder_ / "a.tif").read(r); }).findings;
+  }
+  void expect_promise(GridRect region, double tolerance, double finest) const {
+    const Answer answer = now().range(region, Metres{tolerance});
+    EXPECT_LE(answer.quadtree.bound.value, std::max(tolerance, finest) + 2e-9);
+    OracleOptions judging{1, 1};
+    judging.heights_are_source = false;
+    const OracleReport report =
+        check_mesh(triangulate(answer.quadtree), terrain_, 1, answer.quadtree.bound.value, judging);
+    EXPECT_TRUE(report.sound()) << region.first.col << ',' << region.first.row << ' ' << region.last.col << ','
+                                << region.last.row << " at " << tolerance << " of " << finest << ": "
+                                << report.summary();
+  }
+
+ private:
+  TempFolder folder_;
+  Terrain terrain_;
+};
+
+IngestOptions keeping(double tolerance) {
+  IngestOptions options;
+  options.finest_tolerance = tolerance;
+  return options;
+}
+
+GridRect random_region(Random& random, int cols, int rows) {
+  const int c0 = random.between(0, cols - 1), r0 = random.between(0, rows - 1);
+  return {{c0, r0}, {random.between(c0, cols - 1), random.between(r0, rows - 1)}};
+}
+
+TEST(FinestTolerance, EveryRectangleIsAsGoodAsItSays) {
+  std::uint64_t seed = 1;
+  for (const SampleType type : {SampleType::int16, SampleType::float32}) {
+    for (const bool voids : {false, true}) {
+      for (const double finest : {0.3, 2.0, 15.0, 120.0}) {
+        const int cols = 300 + static_cast<int>(seed) * 7, rows = 260;
+        const Kept kept(ground(cols, rows, ++seed, type, voids), type, keeping(finest));
+        EXPECT_EQ(kept.findings(), std::vector<std::string>{});
+        kept.expect_promise({{0, 0}, {cols - 1, rows - 1}}, finest, finest);
+        Random random(seed);
+        for (int i = 0; i < 12; ++i) {
+          kept.expect_promise(random_region(random, cols, rows), finest * random.log_between(0.2, 8), finest);
+        }
+      }
+    }
+  }
+}
+
+TEST(FinestTolerance, ThinAndTinyRastersKeepWhatTheirBordersNeed) {
+  const std::pair<int, int> sizes[] = {{1, 1}, {1, 40}, {2, 2}, {3, 200}, {200, 2}, {5, 130}, {65, 65}, {64, 9}};
+  for (const auto& [cols, rows] : sizes) {
+    const Kept kept(ground(cols, rows, 77, SampleType::int16, false), SampleType::int16, keeping(40));
+    EXPECT_EQ(kept.findings(), std::vector<std::string>{});
+    kept.expect_promise({{0, 0}, {cols - 1, rows - 1}}, 0, 40);
+    Random random(5);
+    for (int i = 0; i < 6; ++i) kept.expect_promise(random_region(random, cols, rows), 40, 40);
+  }
+}
+
+TEST(FinestTolerance, AnswersOverSeveralTilesKeepIt) {
+  const Kept kept(ground(2300, 1300, 4, SampleType::int16, true), SampleType::int16, keeping(25));
+  EXPECT_EQ(kept.findings(), std::vector<std::string>{});
+  for (const GridRect region : {GridRect{{0, 0}, {2299, 1299}}, {{901, 3}, {1333, 1111}}})
+    for (const double tolerance : {0.0, 25.0, 90.0}) kept.expect_promise(region, tolerance, 25);
+}
+
+TEST(FinestTolerance, RoundedHeightsAreInTheBoundToo) {
+  IngestOptions options = keeping(6);
+  options.inputs.height_step = 4;
+  const Kept kept(ground(310, 290, 9, SampleType::float32, false), SampleType::float32, options);
+  Random random(3);
+  for (int i = 0; i < 8; ++i) kept.expect_promise(random_region(random, 310, 290), random.log_between(1, 30), 6);
+}
+
+/// What borders stand on is a matter of the database, not of the rectangle.
+TEST(FinestTolerance, RectanglesThatShareASideMeet) {
+  const Kept kept(ground(300, 300, 12, SampleType::int16, false), SampleType::int16, keeping(30));
+  for (const std::int32_t side : {40, 101, 160, 233}) {
+    std::map<std::pair<std::int32_t, std::int32_t>, double> west, east;
+    const auto points_on_side = [&](GridRect region, auto& to) {
+      const Mesh mesh = triangulate(kept.now().range(region, Metres{30}).quadtree);
+      for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+        if (mesh.points[i].col == side) to[{mesh.points[i].col, mesh.points[i].row}] = mesh.heights[i];
+      }
+    };
+    points_on_side({{3, 20}, {side, 277}}, west);
+    points_on_side({{side, 20}, {297, 277}}, east);
+    EXPECT_GT(west.size(), 2u);
+    EXPECT_TRUE(west == east) << "at column " << side;
+  }
+}
+
+TEST(FinestTolerance, WhatNeedsAllSamplesIsRefused) {
+  const Kept kept(ground(200, 200, 3, SampleType::int16, false), SampleType::int16, keeping(5));
+  EXPECT_EQ(failure_of([&] { static_cast<void>(kept.now().samples({{0, 0}, {9, 9}})); }).cause(), Cause::unsupported);
+  const TempFolder folder;
+  write_raster(ground(50, 50, 2, SampleType::int16, false), folder / "new.tif");
+  const Failure failure = failure_of([&] { static_cast<void>(update({folder / "new.tif"}, kept.path())); });
+  EXPECT_EQ(failure.cause(), Cause::unsupported);
+  EXPECT_NE(std::string(failure.what()).find("5 m"), std::string::npos) << failure.what();
+
+  for (const double wrong : {-1.0, 2e6, std::nan("")}) {
+    EXPECT_EQ(failure_of([&] {
+                static_cast<void>(ingest(folder / "new.tif", folder / "new.talus", keeping(wrong)));
+              }).cause(),
+              Cause::invalid_argument);
+  }
+  IngestOptions rounded = keeping(2);
+  rounded.inputs.height_step = 4;
+  EXPECT_EQ(failure_of([&] { static_cast<void>(ingest(folder / "new.tif", folder / "new.talus", rounded)); }).cause(),
+            Cause::invalid_argument);
+}
+
+TEST(FinestTolerance, AFileIsNeverMuchLargerForIt) {
+  const Terrain terrain = ground(600, 600, 21, SampleType::int16, false);
+  const auto bytes = [&](double finest) {
+    return std::filesystem::file_size(Kept(terrain, SampleType::int16, keeping(finest)).path());
+  };
+  const auto all = bytes(0);
+  EXPECT_LE(bytes(0.5), all + 4096);
+  EXPECT_LT(bytes(30), all / 2);
+}
+
+}  // namespace
+}  // namespace talus::support
