@@ -4,11 +4,13 @@
 #include <limits>
 
 #include "engine/popcnt.hpp"
+#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
+constexpr std::size_t kMostAround = 4;  ///< triangles with a vertex at their right angle
 
 /// From the right angle the left corner lies counter-clockwise before the right one, seen from above:
 /// columns run east, rows south.
@@ -25,10 +27,13 @@ class Emitter {
         mask_(quadtree.vertices),
         region_(mask_.region()),
         points_(mesh.points.data()),
-        out_(mesh.triangles.data()) {}
+        out_(mesh.triangles.data()),
+        last_(out_ + mesh.triangles.size() - kMostAround) {}
 
   /// Emits the leaves around every vertex; returns one past the last triangle. A triangle is always written
   /// and then kept or not: whether it is a leaf is a coin toss to a branch predictor.
+  ///
+  /// fails  corrupt: corners that are not there
   TALUS_INLINE Corners* run() {
     const bool all_covered = quadtree_.covers.empty();
     std::uint32_t self = 0;
@@ -43,11 +48,18 @@ class Emitter {
         any(p, self, covers);
       }
       ++self;
+      if (out_ > last_) refuse();  // what follows might not fit
     });
+    if (!closed_) refuse();
     return out_;
   }
 
  private:
+  [[noreturn]] static void refuse() {
+    throw Failure(Cause::corrupt,
+                  "corrupt: vertices without their parents make no mesh: the errors that selected them are damaged");
+  }
+
   TALUS_INLINE void keep(Corners corners, bool leaf) {
     *out_ = corners;
     out_ += leaf ? 1 : 0;
@@ -57,6 +69,8 @@ class Emitter {
   TALUS_INLINE void finest_side(GridPoint p, std::uint32_t self) {
     const std::uint32_t north = mask_.rank({p.col, p.row - 1}), south = mask_.rank({p.col, p.row + 1});
     const std::uint32_t west = self - 1, east = self + 1;
+    closed_ &= mask_.contains({p.col, p.row - 1}) & mask_.contains({p.col, p.row + 1}) &
+               mask_.contains({p.col - 1, p.row}) & mask_.contains({p.col + 1, p.row});
     keep({self, north, west}, true);
     keep({self, west, south}, true);
     keep({self, south, east}, true);
@@ -69,6 +83,8 @@ class Emitter {
     const bool west = mask_.contains({p.col - 1, p.row}), east = mask_.contains({p.col + 1, p.row});
     const std::uint32_t nw = mask_.rank({p.col - 1, p.row - 1}), ne = nw + 1 + (north ? 1 : 0);
     const std::uint32_t sw = mask_.rank({p.col - 1, p.row + 1}), se = sw + 1 + (south ? 1 : 0);
+    closed_ &= mask_.contains({p.col - 1, p.row - 1}) & mask_.contains({p.col + 1, p.row - 1}) &
+               mask_.contains({p.col - 1, p.row + 1}) & mask_.contains({p.col + 1, p.row + 1});
     keep({self, ne, nw}, !north);
     keep({self, nw, sw}, !west);
     keep({self, sw, se}, !south);
@@ -87,6 +103,7 @@ class Emitter {
         if ((covers >> (2 * side + end) & 1) == 0 || !region_.contains(other)) continue;
         if (!finest && mask_.contains(midpoint(apex, other))) continue;
         const std::uint32_t left = mask_.rank(apex), right = mask_.rank(other);
+        closed_ &= mask_.contains(apex) & mask_.contains(other);
         const bool ccw = is_counter_clockwise({p, apex, other});
         keep(ccw ? Corners{self, left, right} : Corners{self, right, left}, true);
       }
@@ -98,6 +115,8 @@ class Emitter {
   GridRect region_;
   GridPoint* points_;
   Corners* out_;
+  const Corners* last_;  ///< out_ may stand here and no further
+  bool closed_ = true;   ///< so far
 };
 
 TALUS_POPCNT Corners* emit_popcnt(const RestrictedQuadtree& quadtree, Mesh& mesh) {
@@ -133,7 +152,7 @@ Mesh triangulate(const RestrictedQuadtree& quadtree) {
   mesh.region = quadtree.vertices.region();
   mesh.heights = quadtree.heights;
   mesh.points.resize(quadtree.vertices.size());
-  mesh.triangles.resize(2 * quadtree.vertices.size() + 1);  // a planar mesh has fewer; one to write and not keep
+  mesh.triangles.resize(2 * quadtree.vertices.size() + kMostAround);  // a planar mesh has fewer; room to write ahead
   const Corners* end = has_popcnt() ? emit_popcnt(quadtree, mesh) : emit_plain(quadtree, mesh);
   mesh.triangles.resize(static_cast<std::size_t>(end - mesh.triangles.data()));
   // Without voids every vertex of a region with an area is the corner of a triangle in it.

@@ -11,6 +11,7 @@ namespace talus {
 /// numbers are ranks in the mask. Only triangles inside the region and with data are emitted; points no triangle uses
 /// are left out.
 ///
+/// fails    corrupt: a triangle's corner is not in the set, which then is not closed
 /// returns  counter-clockwise seen from above (columns east, rows south)
 /// cost     linear in vertices and triangles
 /// source   [P98 §3]; no recursion: design of ours, docs/architecture.md

@@ -23,17 +23,25 @@ std::uint64_t coarse_bytes(GridRect extent) {
 
 }  // namespace
 
-Budget budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code) {
+Budget budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code,
+                  std::uint64_t block_bytes) {
   Budget budget;
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   budget.gdal_cache_bytes = std::clamp(memory_bytes / 8, 16 * kMiB, 256 * kMiB);
   // One panel is worked on, the next is read, and what the two share is copied.
   const auto needed = [&](unsigned crew, std::int32_t across) {
-    return kProgram + kWriting + budget.gdal_cache_bytes + coarse_bytes(extent) + crew * kThread +
+    // GDAL holds a block as it was read and as samples, beside what its cache may keep.
+    return kProgram + kWriting + 2 * block_bytes + budget.gdal_cache_bytes + coarse_bytes(extent) + crew * kThread +
            3 * window_bytes(across, bytes_a_code);
   };
   if (needed(1, 1) > memory_bytes) budget.gdal_cache_bytes = 16 * kMiB;
   if (needed(1, 1) > memory_bytes) {
+    if (block_bytes > 64 * kMiB) {
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("a limit of {} bytes of memory: an input comes in blocks of {} MiB, each read as a whole, "
+                                "and needs {} MiB at least; or cut it into smaller ones: gdal_translate -co TILED=YES",
+                                memory_bytes, block_bytes / kMiB, needed(1, 1) / kMiB + 1));
+    }
     throw Failure(Cause::invalid_argument,
                   fmt::format("a limit of {} bytes of memory: {} × {} samples need {} MiB at least", memory_bytes,
                               extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));

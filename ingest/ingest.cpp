@@ -39,7 +39,8 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   description.lossy_metres = options.inputs.height_step / 2;
   description.finest_tolerance = options.finest_tolerance;
   Job job = job_of(
-      description, code_bytes(code_kind(source.description())), [&](GridRect part, GridRect own) { return source.read(part, own); }, options);
+      description, code_bytes(code_kind(source.description())), source.block_bytes(),
+      [&](GridRect part, GridRect own) { return source.read(part, own); }, options);
   const auto left = options.resume      ? PartFile::Left::resume
                     : options.overwrite ? PartFile::Left::replace
                                         : PartFile::Left::refuse;
@@ -70,7 +71,7 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
   description.finest_tolerance = options.finest_tolerance;
-  return estimate(job_of(description, code_bytes(code_kind(source.description())),
+  return estimate(job_of(description, code_bytes(code_kind(source.description())), source.block_bytes(),
                          [&](GridRect part, GridRect own) { return source.read(part, own); }, options),
                   source);
 }

@@ -234,7 +234,8 @@ void require_sense(const IngestOptions& options) {
 
 }  // namespace
 
-Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow read, const IngestOptions& options) {
+Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
+           const IngestOptions& options) {
   require_sense(options);
   Job job{options, description, std::move(read), {}, {}, ground_scale(description), {}, {}};
   const Description& d = job.description;
@@ -242,7 +243,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow 
   job.distance = CodeDistance(d.step, d.metres_per_unit);
   job.making = {d.extent, d.step, job.distance, band_count(d.extent),
                 d.kept_above(), [](PageKey, std::span<const std::byte>) { return 0u; }};
-  job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code);
+  job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code, block_bytes);
   return job;
 }
 

@@ -29,9 +29,9 @@ struct Job {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };
 
-/// A job for a raster; heights come from `read`, `bytes_a_code` wide.
+/// A job for a raster; heights come from `read`, `bytes_a_code` wide, out of inputs with blocks of `block_bytes`.
 /// fails  invalid_argument: options that make no sense, too little memory
-[[nodiscard]] Job job_of(const Description& description, std::size_t bytes_a_code, ReadWindow read,
+[[nodiscard]] Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
                          const IngestOptions& options);
 
 /// Settles a few tiles, keeps nothing and tells what all would take.

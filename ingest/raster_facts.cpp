@@ -208,6 +208,33 @@ void take_file(RasterFacts& facts) {
   facts.modified_ns = std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec;
 }
 
+std::uint64_t block_bytes_of(GDALDatasetH dataset) {
+  GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
+  if (band == nullptr) return 0;
+  int cols = 0, rows = 0;
+  GDALGetBlockSize(band, &cols, &rows);
+  // Blocks of interleaved bands come together.
+  return static_cast<std::uint64_t>(cols) * static_cast<std::uint64_t>(rows) *
+         static_cast<std::uint64_t>(GDALGetDataTypeSizeBytes(GDALGetRasterDataType(band))) *
+         static_cast<std::uint64_t>(GDALGetRasterCount(dataset));
+}
+
+/// Of the dataset and, where it joins others, of those: its own blocks are small, whatever is behind them.
+std::uint64_t largest_block(GDALDatasetH dataset, const InputOptions& options) {
+  std::uint64_t largest = block_bytes_of(dataset);
+  if (std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))) != "VRT") return largest;
+  const CPLStringList files{GDALGetFileList(dataset)};
+  for (int i = 1; i < files.Count(); ++i) {  // the first is the dataset
+    try {
+      const AdmittedRaster joined = admit_raster(files[i], options.allow_drivers);
+      if (joined.dataset && GDALGetRasterCount(joined.dataset.get()) > 0)
+        largest = std::max(largest, largest_block(joined.dataset.get(), options));
+    } catch (const Failure&) {  // overviews and the like; what is no raster is not read as one
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 DatasetOwner open_dataset(const RasterFacts& facts) {
@@ -238,6 +265,7 @@ RasterFacts look_at(const fs::path& file, const InputOptions& options) {
   GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
   take_type(band, facts);
   take_size(dataset, facts);
+  facts.block_bytes = largest_block(dataset, options);
   take_placement(dataset, facts);
   take_crs(dataset, options, facts);
   take_unit(band, options, facts);

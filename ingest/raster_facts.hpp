@@ -40,6 +40,7 @@ struct RasterFacts {
   GDALDataType type = GDT_Unknown;
   int cols = 0, rows = 0;
   double scale = 1, offset = 0;
+  std::uint64_t block_bytes = 0;  ///< of the largest block that GDAL reads as a whole, here or in a file joined by it
   std::optional<double> nodata;  ///< the raw sample that means void, where the type has it; NaN is void anyway
   bool masked = false;           ///< there is a mask beside it
   std::string void_text;         ///< what means void, in words; empty: nothing

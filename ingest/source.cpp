@@ -430,6 +430,12 @@ bool Source::touches(GridRect part) const {
                      [&](const RasterFacts& raster) { return meet(raster.place, part); });
 }
 
+std::uint64_t Source::block_bytes() const {
+  std::uint64_t largest = 0;
+  for (const RasterFacts& raster : plan_->rasters) largest = std::max(largest, raster.block_bytes);
+  return largest;
+}
+
 std::optional<double> Source::Reader::height_at(std::size_t raster, GridPoint p) const {
   if (!plan.rasters[raster].place.contains(p)) return std::nullopt;
   Codes codes;

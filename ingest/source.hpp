@@ -83,6 +83,8 @@ class Source {
 
   /// An input has samples there; where none does, all is void.
   [[nodiscard]] bool touches(GridRect part) const;
+  /// Of the largest block of an input that GDAL reads as a whole.
+  [[nodiscard]] std::uint64_t block_bytes() const;
 
   /// What the reads so far have found.
   [[nodiscard]] SeamReport seams() const;

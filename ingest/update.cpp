@@ -90,7 +90,7 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
   const std::size_t kind = std::max(code_kind(before), code_kind(source.description()));
   if (kind > code_kind(before)) description.source_type = source.description().source_type;
   Job job = job_of(
-      description, code_bytes(kind),
+      description, code_bytes(kind), source.block_bytes(),
       [&](GridRect part, GridRect own) { return laid_over(base, source, kind, part, own); }, options);
   Provenance provenance = base.provenance();
   ++provenance.generation;

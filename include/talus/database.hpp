@@ -106,6 +106,7 @@ class Database {
 };
 
 /// The unique conforming triangulation of a quadtree, without recursion. Linear time. [P98 §3]
+/// fails  corrupt: vertices that are not closed under their parents, as damaged errors select
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree);
 
 // ---- verify --------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 // The triangulation without recursion, against plain recursion from the root.
 
 #include "engine/triangulation.hpp"
+#include "talus/failure.hpp"
 
 #include <algorithm>
 #include <set>
@@ -143,6 +144,32 @@ TEST(Triangulation, EmitsOnlyTrianglesThatCoverData) {
     expect_well_formed(mesh);
     if (HasFailure()) return;
   }
+}
+
+// What damaged errors might select. Under the address sanitizer this also shows that nothing is written beyond its place.
+TEST(Triangulation, SetsThatAreNotClosedAreRefusedOrStayInBounds) {
+  int refused = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Random random(seed);
+    const GridRect region = random_region(random);
+    RestrictedQuadtree quadtree;
+    quadtree.vertices = VertexMask(region);
+    const double density = random.unit();
+    for_each_point(region, [&](GridPoint p) {
+      if (random.chance(density)) quadtree.vertices.insert(p);
+    });
+    quadtree.vertices.seal();
+    quadtree.heights.resize(quadtree.vertices.size());
+    try {
+      const Mesh mesh = triangulate(quadtree);
+      for (const auto& t : mesh.triangles)
+        for (const std::uint32_t v : t) ASSERT_LT(v, mesh.points.size());
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.cause(), Cause::corrupt);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 200);
 }
 
 TEST(Triangulation, ARegionOneSampleWideHasNoTriangles) {

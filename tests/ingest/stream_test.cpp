@@ -1,14 +1,17 @@
 // Rasters of several tiles: the database is the same however they go through memory.
 
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "engine/tile.hpp"
+#include "ingest/budget.hpp"
 #include "ingest/panels.hpp"
 #include "storage/page_store.hpp"
 #include "talus/talus.hpp"
+#include "tests/support/inputs.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/random_raster.hpp"
@@ -94,6 +97,27 @@ TEST(Stream, TooLittleMemoryIsRefusedWithWhatWouldDo) {
     EXPECT_NE(std::string(failure.what()).find("MiB at least"), std::string::npos) << failure.what();
   }
   EXPECT_FALSE(fs::exists(folder / "a.talus.part"));
+}
+
+TEST(Stream, BlocksThatAreReadAsAWholeCountInMemory) {
+  const GridRect extent{{0, 0}, {59'999, 59'999}};
+  constexpr std::uint64_t kMiB = 1 << 20, kOneBlock = 60'000ull * 60'000 * 2;
+  EXPECT_EQ(budget_for(1024 * kMiB, 2, extent, 2, 512 * 512 * 2).threads, 2u);
+  const Failure failure = failure_of([&] { static_cast<void>(budget_for(1024 * kMiB, 2, extent, 2, kOneBlock)); });
+  EXPECT_EQ(failure.cause(), Cause::invalid_argument);
+  EXPECT_NE(std::string(failure.what()).find("blocks of 6866 MiB"), std::string::npos) << failure.what();
+}
+
+TEST(Stream, BlocksAreThoseOfTheFilesThatAVirtualRasterJoins) {
+  const TempFolder folder;
+  write_raster(fit(fractal(700, 40, 1, 100), SampleType::int16), folder / "a.tif");
+  std::ofstream(folder / "a.vrt")
+      << "<VRTDataset rasterXSize='700' rasterYSize='40'><GeoTransform>0,1,0,40,0,-1</GeoTransform>"
+         "<VRTRasterBand dataType='Int16' band='1'><SimpleSource><SourceFilename relativeToVRT='1'>a.tif"
+         "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>";
+  const std::uint64_t of_tif = open(folder / "a.tif").block_bytes();
+  EXPECT_GE(of_tif, 700u * 2);
+  EXPECT_EQ(open(folder / "a.vrt").block_bytes(), std::max<std::uint64_t>(of_tif, 128 * 40 * 2));
 }
 
 TEST(Stream, AnswersOverSeveralTilesKeepThePromise) {
