@@ -58,13 +58,19 @@ IngestReport ingest_with_progress(Request& request) {
   };
   note_interrupts();
   if (request.update) return update(request.inputs(), request.database(), request.options);
+  const auto say_what_is_left = [&](const char* what) {
+    if (std::filesystem::exists(request.database() + ".part")) {
+      fmt::print(stderr, "talus: {}; what is done is in {}.part, here or moved elsewhere --resume goes on with it\n", what,
+                 request.database());
+    }
+  };
   try {
     return ingest(request.inputs(), request.database(), request.options);
   } catch (const Interrupted&) {
-    if (std::filesystem::exists(request.database() + ".part")) {
-      fmt::print(stderr, "talus: interrupted; what is done is in {}.part, --resume goes on with it\n",
-                 request.database());
-    }
+    say_what_is_left("interrupted");
+    throw;
+  } catch (const Failure& failure) {
+    if (failure.cause() == Cause::full) say_what_is_left("no space is left");
     throw;
   }
 }
