@@ -322,7 +322,7 @@ TEST_F(Inputs, WhatWasBegunInMetresIsNotGoneOnWithInFeet) {
   options.folder = folder.path().string();
   const std::string start = std::string(TALUS_PROGRAM) +
                             " ingest big.tif big.talus --threads 1 --progress=json 2>said & "
-                            "while ! grep -q 'samples.:[1-9]' said; do sleep 0.01; done; ";
+                            "while ! grep -q '\"samples\":[1-9]' said; do sleep 0.01; done; ";
   const Outcome interrupted = run_program({"sh", "-c", start + "kill -INT $!; wait $!"}, options);
   ASSERT_EQ(interrupted.exit_code, 130) << interrupted.err;
   expect_refused({"ingest", "big.tif", "big.talus", "--resume", "--vertical-unit", "foot"}, usage, {"big.talus.part"});
