@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
 
 namespace talus {
@@ -83,6 +84,14 @@ GridRect Snapshot::region(const Rectangle& r) const {
 }
 
 Answer Snapshot::range(GridRect region, Metres tolerance) const { return range_query(view_->pages, region, tolerance); }
+
+Answer Snapshot::ask(const Question& question) const {
+  require_sense(view_->pages, question);
+  const bool is_plain = question.border == Border::constrain && !question.field && question.points.empty() &&
+                        question.max_level >= finest_level(description().extent);
+  return is_plain ? range_query(view_->pages, question.region, question.tolerance)
+                  : select_and_gather(view_->pages, question);
+}
 
 Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(description().extent, tolerance).quadtree); }
 

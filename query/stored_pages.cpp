@@ -1,12 +1,27 @@
 #include "query/stored_pages.hpp"
 
+#include <mutex>
+#include <optional>
+
 #include <fmt/format.h>
+
+#include "query/cover.hpp"
 
 #include "storage/checksum.hpp"
 
 namespace talus {
 
-StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file()) {
+struct StoredPages::Lazy {
+  std::once_flag once;
+  std::optional<ExtentBorder> border;
+};
+
+const ExtentBorder& StoredPages::extent_border() const {
+  std::call_once(lazy_->once, [&] { lazy_->border.emplace(manifest_.description.extent); });
+  return *lazy_->border;
+}
+
+StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
   if (!header) throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()));
   header_bytes_ = header->content.size() + kPagePrefixBytes;
@@ -40,6 +55,11 @@ const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& d
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
   return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+}
+
+std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generation, QueryCost& cost) const {
+  PageDecoder decoder;
+  return std::make_shared<Page>(get(id, generation, decoder, cost));
 }
 
 const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {

@@ -2,6 +2,7 @@
 // The pages of one consistent view, decoded on demand.
 
 #include <filesystem>
+#include <memory>
 
 #include "engine/manifest.hpp"
 #include "engine/page_codec.hpp"
@@ -9,6 +10,8 @@
 #include "talus/database.hpp"
 
 namespace talus {
+
+class ExtentBorder;
 
 /// May be asked from several threads at once.
 class StoredPages {
@@ -20,6 +23,8 @@ class StoredPages {
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] const CodeDistance& distance() const { return distance_; }
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
+  /// Of the whole raster, made when first asked for.
+  [[nodiscard]] const ExtentBorder& extent_border() const;
   [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
 
   /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
@@ -28,6 +33,8 @@ class StoredPages {
   [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
   /// The same of whatever generation: for those that come past the pages above it.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
+  /// The same, shared with whoever asks for it next.
+  [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
   /// A page without its errors.
   [[nodiscard]] const Page& get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
                                         QueryCost& cost) const;
@@ -41,6 +48,8 @@ class StoredPages {
   Manifest manifest_;
   CodeDistance distance_;
   std::uint64_t header_bytes_ = 0;
+  struct Lazy;
+  std::shared_ptr<Lazy> lazy_;
 };
 
 }  // namespace talus

@@ -12,6 +12,7 @@
 #include "talus/description.hpp"
 #include "talus/failure.hpp"
 #include "talus/quadtree.hpp"
+#include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
@@ -24,6 +25,7 @@ struct QueryCost {
 
 struct Answer {
   RestrictedQuadtree quadtree;
+  std::uint64_t border_vertices = 0;  ///< of the quadtree, that only the border needs
   QueryCost cost;
 };
 
@@ -75,6 +77,18 @@ class Snapshot {
   /// cost       pages that hold something above the tolerance, their ancestors, and those on odd borders
   /// source     [P98 §4, §10], design of the border: docs/architecture.md
   [[nodiscard]] Answer range(GridRect region, Metres tolerance) const;
+
+  /// The same with another border, a tolerance that varies, levels or points that are asked for; see Question. The quadtree
+  /// of `cover` and `clip` holds what its triangles need beyond the region; triangulate() gives exactly the triangles of the
+  /// whole raster's answer that meet it.
+  ///
+  /// A field's answer holds every covered sample within its own tolerance: a vertex is left out only if its error is
+  /// within the least tolerance of its diamond. Two such answers need not meet.
+  ///
+  /// fails  as range; invalid_argument: a point outside the region, a level below 0, a field with another border than
+  ///        constrain
+  /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
+  [[nodiscard]] Answer ask(const Question& question) const;
 
   /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
   [[nodiscard]] Mesh mesh(Metres tolerance) const;

@@ -73,7 +73,9 @@ class VertexMask {
 /// A set of vertices closed under the dependency graph. It needs no stored topology: its
 /// triangulation is unique and conforming. [P98 §3]
 struct RestrictedQuadtree {
-  VertexMask vertices;          ///< over the region that was answered
+  /// That was answered: triangles that do not meet it are none of the answer. Empty: that of the vertices.
+  GridRect region{{0, 0}, {-1, -1}};
+  VertexMask vertices;  ///< over the region, or over all that its triangles need
   std::vector<double> heights;  ///< by rank, in the source's vertical unit
   /// By rank, four bits a vertex: which of the four triangles with this vertex at their right angle
   /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
