@@ -11,8 +11,8 @@
 namespace talus {
 
 /// Vertices by level, the side midpoints and the centres of each apart. A side midpoint's parents are centres of its
-/// own level and a centre's are coarser: who takes a level's side midpoints, then its centres, then the next coarser
-/// level, and inserts the parents of what he finds, never inserts into a list that was already taken.
+/// own level, a centre's are of coarser ones. So a walk over the side midpoints of a level, then its centres, then the
+/// next coarser level may insert the parents of what it visits: they always come later.
 class ScatteredVertices {
  public:
   /// The same vertex may come many times.

@@ -211,6 +211,10 @@ TEST(Construction, ClosingRawErrorsIsAThresholdOnSaturatedOnes) {
       return found;
     };
     EXPECT_EQ(bottom_up(above(raw), field.extent, root), above(saturated));
+    // Nothing in a square has a larger saturated error than its centre, so that alone says where to descend.
+    const auto is_above = [&](GridPoint p) { return spacing(p) >= root || saturated[p] > threshold; };
+    VertexMask descended = close_top_down(field.extent, root, is_above, is_above);
+    EXPECT_EQ(members(descended), above(saturated));
   }
 }
 
