@@ -160,9 +160,9 @@ const auto benches = [] {
     for (const auto& [part, region] : {std::pair{"whole", kWhole}, {"inner", kInner}}) {
       for (const int tolerance : {1, 5, 20}) {
         const std::string rest = std::string(where) + "/" + part + "/tolerance_m:" + std::to_string(tolerance);
-        add("BM_SaturatedThreshold" + rest, ground, region, tolerance, by_threshold);
-        add("BM_RawBottomUp" + rest, ground, region, tolerance, by_bottom_up);
-        add("BM_RawTopDown" + rest, ground, region, tolerance, by_top_down);
+        add("BM_SaturatedThreshold/" + rest, ground, region, tolerance, by_threshold);
+        add("BM_BottomUp/" + rest, ground, region, tolerance, by_bottom_up);
+        add("BM_TopDown/" + rest, ground, region, tolerance, by_top_down);
       }
     }
   }
