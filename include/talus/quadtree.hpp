@@ -29,6 +29,11 @@ class VertexMask {
     const auto [word, bit] = place(p);
     words_[word] |= std::uint64_t{1} << bit;
   }
+  /// A row's bits, for those who settle 64 samples at once: bit i of word w is column region().first.col + 64w + i.
+  /// Bits beyond the last column must stay zero.
+  [[nodiscard]] std::span<std::uint64_t> row_words(std::int32_t row) {
+    return {words_.data() + place({region_.first.col, row}).word, words_per_row_};
+  }
   /// Counts the members; `rank` and `size` hold from here until the next insert.
   void seal();
   [[nodiscard]] std::size_t size() const { return size_; }
