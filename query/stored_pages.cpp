@@ -2,11 +2,11 @@
 
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "query/cover.hpp"
-
 #include "storage/checksum.hpp"
 
 namespace talus {
@@ -21,7 +21,8 @@ const ExtentBorder& StoredPages::extent_border() const {
   return *lazy_->border;
 }
 
-StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
+StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache)
+    : txn_(store), cache_(std::move(cache)), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
   if (!header) throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()));
   header_bytes_ = header->content.size() + kPagePrefixBytes;
@@ -58,8 +59,13 @@ const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& d
 }
 
 std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generation, QueryCost& cost) const {
-  PageDecoder decoder;
-  return std::make_shared<Page>(get(id, generation, decoder, cost));
+  const PageCache::Key key{id.band, curve_position(id), generation};
+  if (auto page = cache_->find(key)) {
+    ++cost.pages_cached;
+    return page;
+  }
+  const PageCache::BorrowedDecoder decoder = cache_->borrow_decoder();
+  return cache_->keep(key, get(id, generation, *decoder, cost));
 }
 
 const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
