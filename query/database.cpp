@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/question.hpp"
 #include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
 

@@ -37,8 +37,6 @@ class StoredPages {
   [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
   /// The same of whatever generation: for those that come past the pages above it.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
-  /// The same, shared with whoever asks for it next.
-  [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
   /// A page without its errors.
   [[nodiscard]] const Page& get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
                                         QueryCost& cost) const;
