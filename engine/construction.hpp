@@ -2,15 +2,17 @@
 // From any set of wanted vertices to the least restricted quadtree that holds it: both algorithms of the paper. They
 // are for selections that a threshold on saturated errors does not close by itself. [P98 §4, algorithms 1 and 2]
 //
-// Both return the same. All that the wanted vertices depend on, their parents, the parents' parents and so on up to
-// the root corners, is taken wherever it lies on the grid; what of it lies in the region is the result. So a vertex
-// beyond the region is never returned, but what it depends on inside the region is, as with border_vertices: that
-// alone makes the result, within the region, what a larger region with the same wanted vertices would have given.
-// Vertices whose spacing is at least `root` depend on nothing, and are taken like any other: if they are wanted or
-// something depends on them.
+// Both return the same: the closure of what is wanted in a region, cut by the region. The closure is formed on the
+// whole grid, of the wanted vertices, their parents, the parents' parents and so on; so a vertex beyond the region is
+// never returned, but what it depends on inside the region is, as with border_vertices. Within the region the result is
+// then what a larger one, with the same wanted vertices, would have given, and each member's parents that lie in the
+// region are members. Vertices whose spacing is at least `root` depend on nothing, and are taken like any other: if
+// they are wanted or something depends on them.
 
 #include <cstddef>
+#include <cstdint>
 #include <unordered_set>
+#include <utility>
 
 #include "engine/grid.hpp"
 #include "talus/quadtree.hpp"
@@ -50,7 +52,7 @@ class ResolvedSet {
 ///
 /// wanted(GridPoint)          of a vertex in the region
 /// any_wanted(GridPoint)      of the square that has this centre, its spacing being half the side: false only if no
-///                            wanted vertex lies in it or on its sides. It saves the descent
+///                            wanted vertex lies in it or on its sides, its corners left out. It saves the descent
 /// cost                       in proportion to the result, if any_wanted is true of few other squares, and the region's
 ///                            empty mask
 /// source                     [P98 §4, algorithm 1]
