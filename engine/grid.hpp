@@ -97,6 +97,7 @@ struct Triangle {
 /// Whether a triangle of the hierarchy and a rectangle share more than a line: no line along one of their sides has them
 /// on its two sides.
 [[nodiscard]] constexpr bool meets(const Triangle& t, GridRect rect) {
+  if (rect.cols() < 2 || rect.rows() < 2) return false;  // a line has no inside
   const auto apart = [&](auto&& along) {
     const std::int64_t a = along(t.apex), b = along(t.left), c = along(t.right);
     const std::int64_t low = a < b ? (a < c ? a : c) : (b < c ? b : c), high = a > b ? (a > c ? a : c) : (b > c ? b : c);

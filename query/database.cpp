@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/budget.hpp"
 #include "query/question.hpp"
 #include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
@@ -94,6 +95,10 @@ Answer Snapshot::ask(const Question& question) const {
                         question.max_level >= finest_level(description().extent);
   return is_plain ? range_query(view_->pages, question.region, question.tolerance)
                   : select_and_gather(view_->pages, question);
+}
+
+Metres Snapshot::tolerance_for(GridRect region, const Budget& budget) const {
+  return talus::tolerance_for(view_->pages, region, budget);
 }
 
 Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(description().extent, tolerance).quadtree); }

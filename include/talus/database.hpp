@@ -91,6 +91,13 @@ class Snapshot {
   /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
   [[nodiscard]] Answer ask(const Question& question) const;
 
+  /// The smallest tolerance on the ladder of stored errors (engine/error_ladder.hpp) whose answer
+  /// with a constrained border fits a budget. Exact, and without trial: pages with the largest errors are counted first,
+  /// until no other can matter.
+  /// fails  invalid_argument: region as in range; a budget that the border alone exceeds, naming what it needs
+  /// cost   pages with errors above the result, the border's pages
+  [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget) const;
+
   /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
   [[nodiscard]] Mesh mesh(Metres tolerance) const;
   [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
