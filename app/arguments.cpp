@@ -109,6 +109,29 @@ bool parse_priority(const std::string& word) {
                 fmt::format("--priority takes later or resolution; \"{}\" is neither", word));
 }
 
+Border parse_border(const std::string& word) {
+  if (word == "constrain") return Border::constrain;
+  if (word == "cover") return Border::cover;
+  if (word == "clip") return Border::clip;
+  throw Failure(Cause::invalid_argument, fmt::format("--border takes constrain, cover or clip; \"{}\" is none", word));
+}
+
+Focus parse_focus(const std::string& word) {
+  std::vector<double> numbers;
+  for (std::size_t from = 0; from <= word.size();) {
+    const std::size_t comma = std::min(word.find(',', from), word.size());
+    const std::optional<double> v = number(std::string_view(word).substr(from, comma - from));
+    if (!v || !std::isfinite(*v)) break;
+    numbers.push_back(*v);
+    from = comma + 1;
+  }
+  if (numbers.size() != 3 || numbers[2] < 0 || std::count(word.begin(), word.end(), ',') != 2) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--focus takes X,Y,METRES_PER_METRE, the last 0 or more; \"{}\" is not that", word));
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 std::string is_named(const std::string& word) {
   return word.empty() ? "a file name is expected, not an empty word" : "";
 }
@@ -117,7 +140,7 @@ std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
   std::vector<std::string> joined;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--void-weight";
+    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--void-weight" || word == "--focus";
     if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
         arguments[i + 1][1] != '-') {
       joined.push_back(word + "=" + arguments[++i]);

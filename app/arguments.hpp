@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus::app {
@@ -25,6 +26,14 @@ namespace talus::app {
 [[nodiscard]] double parse_height_step(const std::string& word);
 /// "later" (false) or "resolution" (true).
 [[nodiscard]] bool parse_priority(const std::string& word);
+
+/// "constrain", "cover" or "clip".
+[[nodiscard]] Border parse_border(const std::string& word);
+struct Focus {
+  double x, y, metres_per_metre;
+};
+/// "X,Y,METRES_PER_METRE", the last at least 0.
+[[nodiscard]] Focus parse_focus(const std::string& word);
 
 /// What a word lacks to name a file; empty where it lacks nothing, as CLI11 wants it of a check.
 [[nodiscard]] std::string is_named(const std::string& word);

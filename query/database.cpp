@@ -13,6 +13,10 @@
 
 namespace talus {
 
+namespace {
+constexpr double kOnLine = 1e-6;  ///< a coordinate within so much of a cell of a grid line is on it
+}  // namespace
+
 struct Database::Opened {
   PageStore store;
   std::shared_ptr<PageCache> cache;  ///< snapshots share it, and may outlive this
@@ -67,8 +71,7 @@ GridRect Snapshot::region(const Rectangle& r) const {
       !std::isfinite(r.xmax) || !std::isfinite(r.ymax)) {
     throw Failure(Cause::invalid_argument, fmt::format("rectangle {}: expected xmin < xmax and ymin < ymax", text));
   }
-  // Outward to grid lines; a coordinate within 10⁻⁶ cell of a line is on it.
-  constexpr double kOnLine = 1e-6;
+  // Outward to grid lines.
   const GridMapping& m = d.mapping;
   const double west = std::floor((r.xmin - m.x0) / m.dx + kOnLine), east = std::ceil((r.xmax - m.x0) / m.dx - kOnLine);
   const double north = std::floor((r.ymax - m.y0) / m.dy + kOnLine),
@@ -88,6 +91,16 @@ GridRect Snapshot::region(const Rectangle& r) const {
 }
 
 Answer Snapshot::range(GridRect region, Metres tolerance) const { return range_query(view_->pages, region, tolerance); }
+
+Frame Snapshot::frame(const Rectangle& r) const {
+  static_cast<void>(region(r));
+  const GridMapping& m = description().mapping;
+  const GridRect& e = description().extent;
+  const auto on_line = [](double v) { return std::abs(v - std::round(v)) <= kOnLine ? std::round(v) : v; };
+  const auto col = [&](double x) { return std::clamp<double>(on_line((x - m.x0) / m.dx), e.first.col, e.last.col); };
+  const auto row = [&](double y) { return std::clamp<double>(on_line((y - m.y0) / m.dy), e.first.row, e.last.row); };
+  return {col(r.xmin), row(r.ymax), col(r.xmax), row(r.ymin)};
+}
 
 Answer Snapshot::ask(const Question& question) const {
   require_sense(view_->pages, question);

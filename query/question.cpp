@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/grid.hpp"
+#include "query/ground.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -71,6 +72,20 @@ class PatchTolerance final : public ToleranceField {
 };
 
 }  // namespace
+
+std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double x, double y, double metres_per_metre,
+                                                      Metres at_focus) {
+  require_tolerance(at_focus);
+  if (!std::isfinite(x) || !std::isfinite(y)) refuse(fmt::format("focus {}, {}: expected coordinates", x, y));
+  if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
+    refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));
+  const Ground ground(d.crs_wkt);
+  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}), down = ground.metres({x, y}, {x, y + d.mapping.dy});
+  if (!(right > 0) || !(down > 0))
+    refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
+  return std::make_shared<FocusTolerance>((x - d.mapping.x0) / d.mapping.dx, (y - d.mapping.y0) / d.mapping.dy, right, down,
+                                          metres_per_metre, at_focus.value);
+}
 
 std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
                                                       std::vector<double> metres) {

@@ -59,6 +59,11 @@ class Snapshot {
   /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster
   [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
 
+  /// The rectangle itself, where grid lines are whole numbers (within 10⁻⁶ of one it is on it), cut at the raster's outermost
+  /// samples: what an answer is clipped to.
+  /// fails  as region
+  [[nodiscard]] Frame frame(const Rectangle& rectangle) const;
+
   /// The restricted quadtree of a region at a tolerance, its border constrained: every valid sample under
   /// the surface lies within `tolerance` of it, every covered sample of the region lies under it, no
   /// triangle leaves the region, and answers at one tolerance for regions that share a whole side, each at
@@ -135,6 +140,13 @@ class Database {
 /// The unique conforming triangulation of a quadtree, without recursion. Linear time. [P98 §3]
 /// fails  corrupt: vertices that are not closed under their parents, as damaged errors select
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree);
+
+/// A mesh cut at a frame; heights along the cuts are those of its edges, so its bound holds. Meshes of one answer that are
+/// cut at frames that share a whole side meet there without a crack.
+///
+/// mesh  of an answer with Border::cover whose region the frame lies in
+/// cost  linear
+[[nodiscard]] Mesh clip_mesh(const Mesh& mesh, Frame frame);
 
 // ---- verify --------------------------------------------------------------------------------------
 

@@ -90,12 +90,30 @@ struct RestrictedQuadtree {
                      ///< plus, where heights are no binary fractions, a nanometre of rounding
 };
 
+/// A place on the grid that need not be a sample.
+struct Place {
+  double col{}, row{};
+  friend constexpr bool operator==(Place, Place) = default;
+};
+
+/// A rectangle of places.
+struct Frame {
+  double west{}, north{}, east{}, south{};
+};
+
 /// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.
 struct Mesh {
-  GridRect region;                                      ///< the outermost sample positions answered
-  std::vector<GridPoint> points;                        ///< each used by at least one triangle
-  std::vector<double> heights;                          ///< by point, in the source's vertical unit
+  GridRect region;                ///< the outermost sample positions answered
+  std::vector<GridPoint> points;  ///< each used by at least one triangle
+  std::vector<double> heights;    ///< of points, then of cuts, in the source's vertical unit
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from above
+  std::vector<Place> cuts = {};   ///< where clip_mesh cut edges: they count on behind `points`
+
+  [[nodiscard]] std::size_t size() const { return points.size() + cuts.size(); }
+  [[nodiscard]] Place place(std::size_t i) const {
+    return i < points.size() ? Place{static_cast<double>(points[i].col), static_cast<double>(points[i].row)}
+                             : cuts[i - points.size()];
+  }
 };
 
 }  // namespace talus

@@ -276,6 +276,83 @@ TEST(Ask, ABudgetsToleranceIsTheSmallestOnTheLadderThatFits) {
   });
 }
 
+Mesh clipped(const Snapshot& now, Frame frame, double tolerance) {
+  Question q;
+  q.border = Border::clip;
+  q.tolerance = Metres{tolerance};
+  q.region = {{static_cast<int>(std::floor(frame.west)), static_cast<int>(std::floor(frame.north))},
+              {static_cast<int>(std::ceil(frame.east)), static_cast<int>(std::ceil(frame.south))}};
+  return clip_mesh(triangulate(now.ask(q).quadtree), frame);
+}
+
+double area_of(const Mesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Place a = mesh.place(t[0]), b = mesh.place(t[1]), c = mesh.place(t[2]);
+    const double area = (b.row - a.row) * (c.col - a.col) - (b.col - a.col) * (c.row - a.row);
+    EXPECT_GE(area, -1e-9);
+    sum += area / 2;
+  }
+  return sum;
+}
+
+/// Edges of one triangle only, by the places of their ends.
+std::set<std::pair<std::array<double, 3>, std::array<double, 3>>> outline_of(const Mesh& mesh) {
+  std::set<std::pair<std::array<double, 3>, std::array<double, 3>>> open;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto end = [&](std::uint32_t v) { return std::array{mesh.place(v).col, mesh.place(v).row, mesh.heights[v]}; };
+      const auto from = end(t[k]), to = end(t[(k + 1) % 3]);
+      if (open.erase({to, from}) == 0) open.insert({from, to});
+    }
+  }
+  return open;
+}
+
+TEST(Ask, ClippedAnswersFillTheirFramesAndMeetTheirNeighbours) {
+  for_rasters(40, [](Asked& asked) {
+    const Terrain& terrain = asked.raster.terrain;
+    const bool has_voids = std::count(terrain.valid.begin(), terrain.valid.end(), 0) > 0;
+    const double cols = terrain.cols - 1, rows = terrain.rows - 1;
+    if (cols < 1 || rows < 1) return;
+    for (int i = 0; i < 4; ++i) {
+      const auto between = [&](double low, double high) {
+        const double v = low + asked.random.unit() * (high - low);
+        return asked.random.chance(0.3) ? std::clamp(std::round(v), low, high) : v;
+      };
+      const double tolerance = random_tolerance(asked.random);
+      const double west = between(0, cols), middle = between(west, cols), east = between(middle, cols);
+      const double north = between(0, rows), south = between(north, rows);
+      const Frame left{west, north, middle, south}, right{middle, north, east, south};
+      if (middle - west < 1e-3 || east - middle < 1e-3 || south - north < 1e-3) continue;
+      const Mesh a = clipped(*asked.now, left, tolerance), b = clipped(*asked.now, right, tolerance);
+      if (!has_voids) {
+        EXPECT_NEAR(area_of(a), (middle - west) * (south - north), 1e-6 * cols * rows) << asked.raster.description;
+        EXPECT_NEAR(area_of(b), (east - middle) * (south - north), 1e-6 * cols * rows) << asked.raster.description;
+      }
+      for (std::size_t v = 0; v < a.size(); ++v) {
+        EXPECT_TRUE(a.place(v).col >= west && a.place(v).col <= middle && a.place(v).row >= north && a.place(v).row <= south);
+      }
+      // Every edge of the one on the side they share is one of the other, the other way round.
+      std::set<std::pair<std::array<double, 3>, std::array<double, 3>>> on_left, on_right;
+      for (const auto& [from, to] : outline_of(a))
+        if (from[0] == middle && to[0] == middle) on_left.insert({from, to});
+      for (const auto& [from, to] : outline_of(b))
+        if (from[0] == middle && to[0] == middle) on_right.insert({to, from});
+      // (Along a grid line a void may begin.)
+      EXPECT_TRUE(on_left == on_right || (has_voids && middle == std::round(middle))) << asked.raster.description << ", side at column " << middle;
+      EXPECT_TRUE(has_voids || !on_left.empty());
+      // Nothing else is open inside.
+      for (const auto& [from, to] : outline_of(a)) {
+        const auto on = [&](double f, double t, double line) { return f == line && t == line; };
+        EXPECT_TRUE(has_voids || on(from[0], to[0], west) || on(from[0], to[0], middle) || on(from[1], to[1], north) ||
+                    on(from[1], to[1], south))
+            << asked.raster.description;
+      }
+    }
+  });
+}
+
 TEST(Ask, SnapGrowsToMultiplesAndEndsWithTheExtent) {
   const GridRect extent{{-30, -7}, {100, 90}};
   EXPECT_EQ(snapped({{3, 5}, {17, 32}}, 16, extent), (GridRect{{0, 0}, {32, 32}}));
