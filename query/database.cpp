@@ -12,18 +12,20 @@ namespace talus {
 
 struct Database::Opened {
   PageStore store;
+  std::shared_ptr<PageCache> cache;  ///< snapshots share it, and may outlive this
 };
 
 Database::Database(std::shared_ptr<Opened> opened) : opened_(std::move(opened)) {}
 
-Database Database::open(const std::filesystem::path& file) {
-  Database database(std::make_shared<Opened>(Opened{PageStore::open(file)}));
+Database Database::open(const std::filesystem::path& file, const OpenOptions& options) {
+  Database database(
+      std::make_shared<Opened>(Opened{PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes)}));
   (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
   return database;
 }
 
 Snapshot Database::snapshot() const {
-  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store)}));
+  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache)}));
 }
 
 Snapshot::Snapshot(std::unique_ptr<View> view) : view_(std::move(view)) {}

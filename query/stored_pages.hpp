@@ -2,9 +2,11 @@
 // The pages of one consistent view, decoded on demand.
 
 #include <filesystem>
+#include <memory>
 
 #include "engine/manifest.hpp"
 #include "engine/page_codec.hpp"
+#include "query/page_cache.hpp"
 #include "storage/page_store.hpp"
 #include "talus/database.hpp"
 
@@ -14,7 +16,7 @@ namespace talus {
 class StoredPages {
  public:
   /// fails  corrupt, unsupported: no header, a damaged one, another version
-  explicit StoredPages(const PageStore& store);
+  StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache);
 
   [[nodiscard]] const Manifest& manifest() const { return manifest_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
@@ -26,6 +28,9 @@ class StoredPages {
   /// next. Adds what it cost.
   /// fails  corrupt: missing, stale or damaged
   [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
+  /// The same page to share, for as long as it is held: from the cache if it is there, which counts as cached and not
+  /// as read, else read and left in the cache.
+  [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
   /// The same of whatever generation: for those that come past the pages above it.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
   /// A page without its errors.
@@ -37,6 +42,7 @@ class StoredPages {
   void require(PageId id, std::uint32_t generation, const StoredPage& page) const;
 
   ReadTxn txn_;
+  std::shared_ptr<PageCache> cache_;
   std::filesystem::path file_;
   Manifest manifest_;
   CodeDistance distance_;

@@ -20,6 +20,7 @@ namespace talus {
 struct QueryCost {
   std::uint64_t pages_read = 0, bytes_read = 0;
   double seconds = 0;
+  std::uint64_t pages_cached = 0;  ///< found decoded, and neither read nor counted as read
 };
 
 struct Answer {
@@ -92,11 +93,16 @@ class Snapshot {
   std::unique_ptr<View> view_;
 };
 
-/// An open database file. Copies share one environment; a file is opened once per process.
+struct OpenOptions {
+  /// Of decoded pages that are kept for the next question, at 14 to 20 bytes a sample. 0: none is.
+  std::uint64_t cache_bytes = std::uint64_t{64} << 20;
+};
+
+/// An open database file. Copies share one environment and one cache; a file is opened once per process.
 class Database {
  public:
   /// fails  not_found; corrupt: not a database or a damaged header; unsupported: another version
-  [[nodiscard]] static Database open(const std::filesystem::path& file);
+  [[nodiscard]] static Database open(const std::filesystem::path& file, const OpenOptions& options = {});
   [[nodiscard]] Snapshot snapshot() const;
 
  private:
