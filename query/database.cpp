@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/heights.hpp"
 #include "query/snapshot_view.hpp"
 
 namespace talus {
@@ -25,7 +26,7 @@ Database Database::open(const std::filesystem::path& file, const OpenOptions& op
 }
 
 Snapshot Database::snapshot() const {
-  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache)}));
+  return Snapshot(std::make_unique<Snapshot::View>(StoredPages(opened_->store, opened_->cache)));
 }
 
 Snapshot::Snapshot(std::unique_ptr<View> view) : view_(std::move(view)) {}
@@ -90,6 +91,44 @@ Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(descripti
 
 Mesh Snapshot::mesh(const Rectangle& rectangle, Metres tolerance) const {
   return triangulate(range(region(rectangle), tolerance).quadtree);
+}
+
+namespace {
+
+void require_room(std::size_t points, std::size_t room) {
+  if (points == room) return;
+  throw Failure(Cause::invalid_argument, fmt::format("{} points, and room for {} heights: expected as many", points, room));
+}
+
+}  // namespace
+
+std::optional<double> Snapshot::height(double x, double y) const {
+  const Position point{x, y};
+  std::optional<double> height;
+  heights({&point, 1}, {&height, 1});
+  return height;
+}
+
+std::optional<double> Snapshot::height(double x, double y, Metres tolerance) const {
+  const Position point{x, y};
+  std::optional<double> height;
+  heights({&point, 1}, tolerance, {&height, 1});
+  return height;
+}
+
+QueryCost Snapshot::heights(std::span<const Position> points, std::span<std::optional<double>> out) const {
+  require_room(points.size(), out.size());
+  return sampled_heights(view_->pages, points, out);
+}
+
+QueryCost Snapshot::heights(std::span<const Position> points, Metres tolerance,
+                            std::span<std::optional<double>> out) const {
+  require_room(points.size(), out.size());
+  return surface_heights(view_->pages, view_->border(), tolerance, points, out);
+}
+
+bool Snapshot::is_inside(Position point) const {
+  return contains(description().extent, grid_place(description().mapping, point));
 }
 
 SampleWindow Snapshot::samples(GridRect region) const {

@@ -39,6 +39,12 @@ struct GridRect {
   }
 };
 
+/// A point in the coordinates of a database's CRS.
+struct Position {
+  double x{}, y{};
+  friend constexpr bool operator==(Position, Position) = default;
+};
+
 /// A rectangle in the coordinates of a database's CRS: X before Y, and xmin < xmax, ymin < ymax.
 /// Samples are pixel centres, so a rectangle that ends on the edge of a raster's outermost pixels
 /// ends half a cell beyond the outermost samples.
