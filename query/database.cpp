@@ -7,6 +7,7 @@
 
 #include "engine/triangulation.hpp"
 #include "query/heights.hpp"
+#include "query/profile.hpp"
 #include "query/snapshot_view.hpp"
 
 namespace talus {
@@ -97,7 +98,8 @@ namespace {
 
 void require_room(std::size_t points, std::size_t room) {
   if (points == room) return;
-  throw Failure(Cause::invalid_argument, fmt::format("{} points, and room for {} heights: expected as many", points, room));
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} points, and room for {} heights: expected as many", points, room));
 }
 
 }  // namespace
@@ -129,6 +131,10 @@ QueryCost Snapshot::heights(std::span<const Position> points, Metres tolerance,
 
 bool Snapshot::is_inside(Position point) const {
   return contains(description().extent, grid_place(description().mapping, point));
+}
+
+Profile Snapshot::profile(std::span<const Position> line, Metres tolerance) const {
+  return talus::profile(view_->pages, view_->border(), line, tolerance);
 }
 
 SampleWindow Snapshot::samples(GridRect region) const {

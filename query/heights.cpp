@@ -11,14 +11,15 @@
 namespace talus {
 namespace {
 
-/// Asks code_at(place) for the places within the extent, page by page along the curve, so that a page is looked up once
-/// whatever the order of the points is.
+/// Asks code_at(place) for the places within the extent along a curve that goes page by page, so that a page is looked up
+/// once whatever the order of the points is, and within a page from each place to one nearby, whose triangles and samples
+/// are at hand: BM_HeightsOfSurface_Warm.
 template <class CodeAt>
 void by_page(const Description& description, std::span<const Position> points, std::span<std::optional<double>> out,
              CodeAt&& code_at) {
   assert(points.size() == out.size());
   struct Asked {
-    std::uint64_t page;  ///< position on the curve of the finest band
+    std::uint64_t cell;  ///< position on the curve through all cells
     std::size_t point;
   };
   std::vector<Asked> order;
@@ -28,9 +29,9 @@ void by_page(const Description& description, std::span<const Position> points, s
     const GridPlace p = grid_place(description.mapping, points[i]);
     if (!contains(description.extent, p)) continue;
     const GridPoint corner{static_cast<std::int32_t>(std::floor(p.col)), static_cast<std::int32_t>(std::floor(p.row))};
-    order.push_back({curve_position(page_of(corner, 0)), i});
+    order.push_back({curve_position({0, corner.col, corner.row}), i});
   }
-  std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.page < b.page; });
+  std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.cell < b.cell; });
   for (const Asked& asked : order) {
     const std::optional<double> code = code_at(grid_place(description.mapping, points[asked.point]));
     if (code) out[asked.point] = description.step.value(*code);
@@ -88,8 +89,8 @@ QueryCost sampled_heights(const StoredPages& pages, std::span<const Position> po
   const Description& description = pages.manifest().description;
   if (description.finest_tolerance > 0) {
     throw Failure(Cause::unsupported,
-                  fmt::format("the database keeps only the vertices of answers at {} m and more: there are no samples to "
-                              "take heights between; ask for those of a surface, at that tolerance or more",
+                  fmt::format("the database keeps only the vertices of answers at {} m and more: there are no samples "
+                              "to take heights between; ask for those of a surface, at that tolerance or more",
                               description.finest_tolerance));
   }
   return timed(pages, [&](QueryCost& cost) {

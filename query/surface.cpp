@@ -36,6 +36,12 @@ unsigned bit_of(const Triangle& t) {
 
 }  // namespace
 
+void require_tolerance(Metres tolerance) {
+  if (tolerance.value >= 0) return;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("tolerance {} m: expected a number of metres, 0 or more", tolerance.value));
+}
+
 ExtentBorder::ExtentBorder(GridRect extent) : extent_(extent) {
   for (const GridPoint p : border_vertices(extent, root_side(extent))) keys_.push_back(key_of(p));
   std::sort(keys_.begin(), keys_.end());
@@ -72,10 +78,7 @@ Surface::Surface(const StoredPages& pages, const ExtentBorder& border, Metres to
                           tolerance.value - pages.manifest().description.lossy_metres)),
       threshold_(largest_code_within(tolerance_)),
       nearby_(pages, cost) {
-  if (!(tolerance.value >= 0)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("tolerance {} m: expected a number of metres, 0 or more", tolerance.value));
-  }
+  require_tolerance(tolerance);
   if (pages.manifest().description.kept_above() > 0) kept_heights_.emplace(pages, cost);
   if (extent_.cols() < 2 || extent_.rows() < 2) return;  // no area, no triangle
   const std::int32_t half = root_side(extent_) / 2;

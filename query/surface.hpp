@@ -15,6 +15,9 @@
 
 namespace talus {
 
+/// fails  invalid_argument: no number of metres, 0 or more
+void require_tolerance(Metres tolerance);
+
 /// The vertices that the border of the whole extent needs, to look up. Made once for a snapshot.
 class ExtentBorder {
  public:
@@ -39,8 +42,8 @@ struct GridPlace {
   return p.col >= rect.first.col && p.col <= rect.last.col && p.row >= rect.first.row && p.row <= rect.last.row;
 }
 
-/// The line that splits a triangle, from its right angle to the middle of its hypotenuse. It runs along a row, a column or
-/// a diagonal.
+/// The line that splits a triangle, from its right angle to the middle of its hypotenuse. It runs along a row, a column
+/// or a diagonal.
 struct SplitLine {
   GridPoint from;
   std::int32_t right = 0, down = 0;  ///< its direction, -1, 0 or 1 each

@@ -122,7 +122,8 @@ class Snapshot {
   /// The height along a line through two or more points, straight between them in CRS coordinates. Half of the tolerance
   /// goes to the surface whose every triangle under the line is cut, and what its bound leaves of the whole to leaving
   /// out vertices of that cut, so that the profile is within the tolerance of covered samples on the line. The line's
-  /// points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside the extent.
+  /// points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside the extent;
+  /// where it touches a triangle in one point it has no part.
   /// fails  invalid_argument: fewer than two points, all at one place, a coordinate that is no finite number, the
   ///        tolerance; corrupt
   /// cost   the pages along the line, in proportion to the triangles under it; the first also as height()

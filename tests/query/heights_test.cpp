@@ -77,7 +77,7 @@ TEST(Heights, AreBilinearBetweenTheSamplesOfAnyRaster) {
     Random random(static_cast<std::uint64_t>(seed) + 77);
     const auto& [first, last] = d.extent;
     std::vector<Position> points;
-    std::vector<GridPlace2> places;
+    std::vector<MeshPlace> places;
     for (int i = 0; i < 300; ++i) {
       const double col = random_line(random, truth.cols), row = random_line(random, truth.rows);
       points.push_back({d.mapping.x0 + (first.col + col) * d.mapping.dx, d.mapping.y0 + (first.row + row) * d.mapping.dy});
@@ -169,7 +169,7 @@ TEST(Heights, OfASurfaceAreThoseOfTheMeshWhateverTheRaster) {
       const Metres tolerance{random_tolerance(random)};
       const SurfaceOfMesh surface(triangulate(now.range(d.extent, tolerance).quadtree));
       std::vector<Position> points;
-      std::vector<GridPlace2> places;
+      std::vector<MeshPlace> places;
       for (int i = 0; i < 300; ++i) {
         const double col = random_line(random, raster.terrain.cols), row = random_line(random, raster.terrain.rows);
         points.push_back({d.mapping.x0 + (d.extent.first.col + col) * d.mapping.dx,
@@ -223,8 +223,8 @@ TEST(Heights, OfADatabaseOfATolerancesVerticesAreTheSurfacesOnly) {
   for (const double tolerance : {1.0, 4.0, 9.0, 60.0}) {
     const SurfaceOfMesh surface(now.mesh(Metres{tolerance}));
     for (int i = 0; i < 500; ++i) {
-      const GridPlace2 place{random_line(random, 500), random_line(random, 400)};
-      const GridPlace2 snapped{near_line(place.col), near_line(place.row)};
+      const MeshPlace place{random_line(random, 500), random_line(random, 400)};
+      const MeshPlace snapped{near_line(place.col), near_line(place.row)};
       if (surface.is_doubtful(snapped)) continue;
       expect_same(now.height(place.col + 0.5, -0.5 - place.row, Metres{tolerance}), surface.height(snapped), place.col,
                   place.row, std::to_string(tolerance));

@@ -2,6 +2,7 @@
 // A mesh as a function of the place, by looking at every triangle near it: nothing of the hierarchy is used.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -10,7 +11,7 @@
 
 namespace talus::support {
 
-struct GridPlace2 {
+struct MeshPlace {
   double col = 0, row = 0;
 };
 
@@ -34,40 +35,46 @@ class SurfaceOfMesh {
   }
 
   /// Of any closed triangle that contains the place.
-  [[nodiscard]] std::optional<double> height(GridPlace2 p) const { return height(p, 0); }
-  /// So near to the outline that rounding decides whether it is on the surface.
-  [[nodiscard]] bool is_doubtful(GridPlace2 p) const {
-    return height(p, 1e-7).has_value() != height(p, -1e-7).has_value() && !on_samples(p);
-  }
-
- private:
-  static constexpr std::int32_t kSide = 16;
-  static std::size_t square(std::int32_t v) { return static_cast<std::size_t>(v / kSide); }
-  static bool on_samples(GridPlace2 p) { return p.col == std::floor(p.col) && p.row == std::floor(p.row); }
-
-  [[nodiscard]] std::array<GridPoint, 3> corners(std::uint32_t t) const {
-    const auto& ids = mesh_.triangles[t];
-    return {mesh_.points[ids[0]], mesh_.points[ids[1]], mesh_.points[ids[2]]};
-  }
-
-  [[nodiscard]] std::optional<double> height(GridPlace2 p, double slack) const {
+  [[nodiscard]] std::optional<double> height(MeshPlace p) const {
     const GridRect& r = mesh_.region;
     if (!(p.col >= r.first.col && p.col <= r.last.col && p.row >= r.first.row && p.row <= r.last.row)) return {};
     const std::size_t at = square(static_cast<std::int32_t>(std::floor(p.row)) - r.first.row) * cols_ +
                            square(static_cast<std::int32_t>(std::floor(p.col)) - r.first.col);
     for (const std::uint32_t t : squares_[at]) {
       const auto [a, b, c] = corners(t);
-      const auto cross = [](GridPoint o, GridPoint q, GridPlace2 v) {
+      const auto cross = [](GridPoint o, GridPoint q, MeshPlace v) {
         return (q.col - o.col) * (v.row - o.row) - (q.row - o.row) * (v.col - o.col);
       };
       const double area = cross(a, b, {double(c.col), double(c.row)});
       const double wa = cross(b, c, p) / area, wb = cross(c, a, p) / area, wc = 1 - wa - wb;
-      if (wa < -slack || wb < -slack || wc < -slack) continue;
+      if (wa < 0 || wb < 0 || wc < 0) continue;
       const auto& ids = mesh_.triangles[t];
       return wa * mesh_.heights[ids[0]] + wb * mesh_.heights[ids[1]] + wc * mesh_.heights[ids[2]];
     }
     return std::nullopt;
   }
+  /// So near to the outline that rounding decides whether it is on the surface. On a row or column of samples it is only
+  /// along that line that it can.
+  [[nodiscard]] bool is_doubtful(MeshPlace p, double near = 1e-7) const {
+    const bool here = height(p).has_value();
+    for (const double down : {-near, 0.0, near}) {
+      for (const double right : {-near, 0.0, near}) {
+        if ((right != 0 && p.col == std::floor(p.col)) || (down != 0 && p.row == std::floor(p.row))) continue;
+        if (height({p.col + right, p.row + down}).has_value() != here) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::int32_t kSide = 16;
+  static std::size_t square(std::int32_t v) { return static_cast<std::size_t>(v / kSide); }
+
+  [[nodiscard]] std::array<GridPoint, 3> corners(std::uint32_t t) const {
+    const auto& ids = mesh_.triangles[t];
+    return {mesh_.points[ids[0]], mesh_.points[ids[1]], mesh_.points[ids[2]]};
+  }
+
 
   Mesh mesh_;
   std::size_t cols_ = 0;
