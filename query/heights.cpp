@@ -11,15 +11,14 @@
 namespace talus {
 namespace {
 
-/// Asks code_at(place) for the places within the extent along a curve that goes page by page, so that a page is looked up
-/// once whatever the order of the points is, and within a page from each place to one nearby, whose triangles and samples
-/// are at hand: BM_HeightsOfSurface_Warm.
+/// Asks code_at(place) for the places within the extent, page by page along the curve, so that a page is looked up once
+/// whatever the order of the points is.
 template <class CodeAt>
 void by_page(const Description& description, std::span<const Position> points, std::span<std::optional<double>> out,
              CodeAt&& code_at) {
   assert(points.size() == out.size());
   struct Asked {
-    std::uint64_t cell;  ///< position on the curve through all cells
+    std::uint64_t page;  ///< position on the curve of the finest band
     std::size_t point;
   };
   std::vector<Asked> order;
@@ -29,9 +28,9 @@ void by_page(const Description& description, std::span<const Position> points, s
     const GridPlace p = grid_place(description.mapping, points[i]);
     if (!contains(description.extent, p)) continue;
     const GridPoint corner{static_cast<std::int32_t>(std::floor(p.col)), static_cast<std::int32_t>(std::floor(p.row))};
-    order.push_back({curve_position({0, corner.col, corner.row}), i});
+    order.push_back({curve_position(page_of(corner, 0)), i});
   }
-  std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.cell < b.cell; });
+  std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.page < b.page; });
   for (const Asked& asked : order) {
     const std::optional<double> code = code_at(grid_place(description.mapping, points[asked.point]));
     if (code) out[asked.point] = description.step.value(*code);

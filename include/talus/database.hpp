@@ -113,7 +113,7 @@ class Snapshot {
   /// Many points at once, answers in their order: each page is decoded once, however the points are strewn.
   /// out    of the size of `points`
   /// fails  as above; invalid_argument: of another size
-  /// cost   below a microsecond a point where the pages are decoded
+  /// cost   where the pages are decoded half a microsecond a point, one to two on a surface
   QueryCost heights(std::span<const Position> points, std::span<std::optional<double>> out) const;
   QueryCost heights(std::span<const Position> points, Metres tolerance, std::span<std::optional<double>> out) const;
   /// Whether a point lies among the samples, on the outermost ones included: beyond no question has an answer.

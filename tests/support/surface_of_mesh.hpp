@@ -53,6 +53,7 @@ class SurfaceOfMesh {
     }
     return std::nullopt;
   }
+
   /// So near to the outline that rounding decides whether it is on the surface. On a row or column of samples it is only
   /// along that line that it can.
   [[nodiscard]] bool is_doubtful(MeshPlace p, double near = 1e-7) const {
@@ -74,7 +75,6 @@ class SurfaceOfMesh {
     const auto& ids = mesh_.triangles[t];
     return {mesh_.points[ids[0]], mesh_.points[ids[1]], mesh_.points[ids[2]]};
   }
-
 
   Mesh mesh_;
   std::size_t cols_ = 0;
