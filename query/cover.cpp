@@ -1,8 +1,7 @@
 #include "query/cover.hpp"
 
-#include <algorithm>
+#include <cstdlib>
 
-#include "engine/border.hpp"
 
 namespace talus {
 namespace {
@@ -64,11 +63,6 @@ class Around {
 };
 
 }  // namespace
-
-ExtentBorder::ExtentBorder(GridRect extent) : vertices_(border_vertices(extent, root_side(extent))) {
-  members_.reserve(vertices_.size());
-  for (const GridPoint p : vertices_) members_.insert(key(p));
-}
 
 VerticesAround vertices_around(GridRect region, GridRect extent, int finest_height, const Above& above,
                                const ExtentBorder& border, PageWalk& pages) {

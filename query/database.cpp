@@ -7,6 +7,8 @@
 
 #include "engine/triangulation.hpp"
 #include "query/budget.hpp"
+#include "query/heights.hpp"
+#include "query/profile.hpp"
 #include "query/question.hpp"
 #include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
@@ -118,6 +120,49 @@ Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(descripti
 
 Mesh Snapshot::mesh(const Rectangle& rectangle, Metres tolerance) const {
   return triangulate(range(region(rectangle), tolerance).quadtree);
+}
+
+namespace {
+
+void require_room(std::size_t points, std::size_t room) {
+  if (points == room) return;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} points, and room for {} heights: expected as many", points, room));
+}
+
+}  // namespace
+
+std::optional<double> Snapshot::height(double x, double y) const {
+  const Position point{x, y};
+  std::optional<double> height;
+  heights({&point, 1}, {&height, 1});
+  return height;
+}
+
+std::optional<double> Snapshot::height(double x, double y, Metres tolerance) const {
+  const Position point{x, y};
+  std::optional<double> height;
+  heights({&point, 1}, tolerance, {&height, 1});
+  return height;
+}
+
+QueryCost Snapshot::heights(std::span<const Position> points, std::span<std::optional<double>> out) const {
+  require_room(points.size(), out.size());
+  return sampled_heights(view_->pages, points, out);
+}
+
+QueryCost Snapshot::heights(std::span<const Position> points, Metres tolerance,
+                            std::span<std::optional<double>> out) const {
+  require_room(points.size(), out.size());
+  return surface_heights(view_->pages, view_->pages.extent_border(), tolerance, points, out);
+}
+
+bool Snapshot::is_inside(Position point) const {
+  return contains(description().extent, grid_place(description().mapping, point));
+}
+
+Profile Snapshot::profile(std::span<const Position> line, Metres tolerance) const {
+  return talus::profile(view_->pages, view_->pages.extent_border(), line, tolerance);
 }
 
 SampleWindow Snapshot::samples(GridRect region) const {

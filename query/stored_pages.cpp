@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "query/cover.hpp"
+#include "query/extent_border.hpp"
 #include "storage/checksum.hpp"
 
 namespace talus {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,21 @@ struct QueryCost {
 struct Answer {
   RestrictedQuadtree quadtree;
   std::uint64_t border_vertices = 0;  ///< of the quadtree, that only the border needs
+  QueryCost cost;
+};
+
+struct ProfileVertex {
+  double distance_m = 0;  ///< on the ground, from the first point of the line along it
+  double x = 0, y = 0;    ///< in the CRS
+  double height = 0;      ///< in the vertical unit
+};
+
+/// A surface along a line: between two vertices of a part the height is linear in x and y.
+struct Profile {
+  std::vector<std::vector<ProfileVertex>> parts;  ///< in the line's order; between two of them is no data
+  double length_m = 0;                            ///< of the line on the ground, with what lies between parts
+  Metres tolerance;                               ///< as asked
+  Metres bound;  ///< no covered sample on the line is farther from the profile; see RestrictedQuadtree::bound
   QueryCost cost;
 };
 
@@ -106,6 +122,38 @@ class Snapshot {
   /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
   [[nodiscard]] Mesh mesh(Metres tolerance) const;
   [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
+
+  /// The height at a point in the vertical unit, bilinear between the four samples around it. Samples are pixel centres.
+  /// A point on a line of samples, or within 10⁻⁶ cell of one, needs only the two on either side along the line; one on
+  /// a sample needs that sample, and gets its height bit for bit.
+  /// returns  nothing where a sample that is needed is void or outside the extent, or a coordinate is no number
+  /// fails    unsupported: a database that keeps the vertices of a tolerance only; corrupt
+  [[nodiscard]] std::optional<double> height(double x, double y) const;
+  /// The height of a surface: that of the whole extent's answer at a tolerance, as range() of the extent gives it. So
+  /// this is what a mesh shows there, and within the tolerance of covered samples.
+  /// tolerance  as of range(); any database has surfaces
+  /// returns    nothing where no triangle is: outside the extent, beside data
+  /// fails      invalid_argument: the tolerance; corrupt
+  /// cost       a few pages, and for the first of a snapshot the border's vertices, in proportion to the extent's sides
+  [[nodiscard]] std::optional<double> height(double x, double y, Metres tolerance) const;
+  /// Many points at once, answers in their order: each page is decoded once, however the points are strewn.
+  /// out    of the size of `points`
+  /// fails  as above; invalid_argument: of another size
+  /// cost   where the pages are decoded half a microsecond a point, one to two on a surface
+  QueryCost heights(std::span<const Position> points, std::span<std::optional<double>> out) const;
+  QueryCost heights(std::span<const Position> points, Metres tolerance, std::span<std::optional<double>> out) const;
+  /// Whether a point lies among the samples, on the outermost ones included: beyond no question has an answer.
+  [[nodiscard]] bool is_inside(Position point) const;
+
+  /// The height along a line through two or more points, straight between them in CRS coordinates. Half of the tolerance
+  /// goes to the surface whose every triangle under the line is cut, and what its bound leaves of the whole to leaving
+  /// out vertices of that cut, so that the profile is within the tolerance of covered samples on the line. The line's
+  /// points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside the extent;
+  /// where it touches a triangle in one point it has no part.
+  /// fails  invalid_argument: fewer than two points, all at one place, a coordinate that is no finite number, the
+  ///        tolerance; corrupt
+  /// cost   the pages along the line, in proportion to the triangles under it; the first also as height()
+  [[nodiscard]] Profile profile(std::span<const Position> line, Metres tolerance) const;
 
   /// Stored samples, bit for bit as the source had them. `region` within the extent.
   /// fails  invalid_argument; unsupported: a database that keeps the vertices of a tolerance only
