@@ -1,10 +1,9 @@
 #include "app/arguments.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <optional>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -21,35 +20,66 @@ std::optional<double> number(std::string_view word) {
   return value;
 }
 
+// Finite numbers with commas between; none if it is not that.
+std::vector<double> numbers_in(std::string_view word) {
+  std::vector<double> numbers;
+  for (;;) {
+    const std::size_t comma = word.find(',');
+    const std::optional<double> value = number(word.substr(0, comma));
+    if (!value || !std::isfinite(*value)) return {};
+    numbers.push_back(*value);
+    if (comma == std::string_view::npos) return numbers;
+    word.remove_prefix(comma + 1);
+  }
+}
+
 }  // namespace
 
-Metres parse_tolerance(const std::string& word) {
+Metres parse_tolerance(const std::string& word, const char* option) {
   const std::optional<double> value = number(word);
   if (!value || *value < 0) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("--tolerance takes metres, 0 or more, or inf; \"{}\" is not that", word));
+                  fmt::format("{} takes metres, 0 or more, or inf; \"{}\" is not that", option, word));
   }
   return Metres{std::abs(*value)};  // -0 is 0
 }
 
 Rectangle parse_bbox(const std::string& word) {
-  std::vector<double> numbers;
-  for (std::string_view rest = word;;) {
-    const std::size_t comma = rest.find(',');
-    const std::optional<double> value = number(rest.substr(0, comma));
-    if (!value || !std::isfinite(*value)) {
-      numbers.clear();
-      break;
-    }
-    numbers.push_back(*value);
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
+  const std::vector<double> numbers = numbers_in(word);
   if (numbers.size() != 4) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("--bbox takes four numbers, XMIN,YMIN,XMAX,YMAX; \"{}\" is not that", word));
   }
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+std::vector<Position> parse_line(const std::string& word) {
+  const std::vector<double> numbers = numbers_in(word);
+  if (numbers.size() < 4 || numbers.size() % 2 != 0) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--line takes two points or more, X,Y,X,Y; \"{}\" is not that", word));
+  }
+  std::vector<Position> line;
+  for (std::size_t i = 0; i < numbers.size(); i += 2) line.push_back({numbers[i], numbers[i + 1]});
+  return line;
+}
+
+std::optional<Position> parse_position(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  std::array<double, 2> xy{};
+  const auto skip_blank = [&] { text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size())); };
+  for (std::size_t i = 0; i < 2; ++i) {
+    skip_blank();
+    const std::size_t end = std::min(text.find_first_of(" \t\r,"), text.size());
+    const std::optional<double> value = number(text.substr(0, end));
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    xy[i] = *value;
+    text.remove_prefix(end);
+    skip_blank();
+    if (i == 0 && text.starts_with(',')) text.remove_prefix(1);
+  }
+  if (!text.empty()) return std::nullopt;
+  return Position{xy[0], xy[1]};
 }
 
 double parse_weight(const std::string& word) {
@@ -109,6 +139,29 @@ bool parse_priority(const std::string& word) {
                 fmt::format("--priority takes later or resolution; \"{}\" is neither", word));
 }
 
+Border parse_border(const std::string& word) {
+  if (word == "constrain") return Border::constrain;
+  if (word == "cover") return Border::cover;
+  if (word == "clip") return Border::clip;
+  throw Failure(Cause::invalid_argument, fmt::format("--border takes constrain, cover or clip; \"{}\" is none", word));
+}
+
+Focus parse_focus(const std::string& word) {
+  std::vector<double> numbers;
+  for (std::size_t from = 0; from <= word.size();) {
+    const std::size_t comma = std::min(word.find(',', from), word.size());
+    const std::optional<double> v = number(std::string_view(word).substr(from, comma - from));
+    if (!v || !std::isfinite(*v)) break;
+    numbers.push_back(*v);
+    from = comma + 1;
+  }
+  if (numbers.size() != 3 || numbers[2] < 0 || std::count(word.begin(), word.end(), ',') != 2) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--focus takes X,Y,METRES_PER_METRE, the last 0 or more; \"{}\" is not that", word));
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 std::string is_named(const std::string& word) {
   return word.empty() ? "a file name is expected, not an empty word" : "";
 }
@@ -117,10 +170,13 @@ std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
   std::vector<std::string> joined;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--void-weight";
+    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--void-weight" ||
+                              word == "--focus" || word == "--line" || word == "--surface";
     if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
         arguments[i + 1][1] != '-') {
       joined.push_back(word + "=" + arguments[++i]);
+    } else if (word.starts_with("-.")) {
+      joined.push_back("-0" + word.substr(1));
     } else {
       joined.push_back(word);
     }

@@ -2,18 +2,25 @@
 // Words of the command line that mean something to us.
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus::app {
 
 /// Metres from 0 to "inf". Fails with invalid_argument, naming option and value.
-[[nodiscard]] Metres parse_tolerance(const std::string& word);
+[[nodiscard]] Metres parse_tolerance(const std::string& word, const char* option = "--tolerance");
 /// "XMIN,YMIN,XMAX,YMAX", four finite numbers; which is larger is the query's business.
 [[nodiscard]] Rectangle parse_bbox(const std::string& word);
+/// "X,Y,X,Y" and so on, two points or more, finite numbers.
+[[nodiscard]] std::vector<Position> parse_line(const std::string& word);
+/// "X Y", "X,Y", or with tabs: two finite numbers and nothing else.
+[[nodiscard]] std::optional<Position> parse_position(std::string_view text);
 /// A number of at least 0, finite.
 [[nodiscard]] double parse_weight(const std::string& word);
 
@@ -26,10 +33,19 @@ namespace talus::app {
 /// "later" (false) or "resolution" (true).
 [[nodiscard]] bool parse_priority(const std::string& word);
 
+/// "constrain", "cover" or "clip".
+[[nodiscard]] Border parse_border(const std::string& word);
+struct Focus {
+  double x, y, metres_per_metre;
+};
+/// "X,Y,METRES_PER_METRE", the last at least 0.
+[[nodiscard]] Focus parse_focus(const std::string& word);
+
 /// What a word lacks to name a file; empty where it lacks nothing, as CLI11 wants it of a check.
 [[nodiscard]] std::string is_named(const std::string& word);
 
-/// The arguments with "--bbox -1,2,3,4" made one word, "--bbox=-1,2,3,4": a number is no option.
+/// The arguments with "--bbox -1,2,3,4" made one word, "--bbox=-1,2,3,4", and -.5 written -0.5: a number is
+/// no option.
 [[nodiscard]] std::vector<std::string> join_numbers(std::vector<std::string> arguments);
 
 }  // namespace talus::app

@@ -19,7 +19,10 @@ namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, tolerance, bbox;
+  std::string database, tolerance, bbox, border = "constrain", focus;
+  std::int32_t snap = 1;
+  int max_level = -1;
+  Budget budget;
   std::vector<std::string> outputs;
   bool json = false;
 };
@@ -46,8 +49,36 @@ std::string why_coarser(const Description& d, Metres tolerance) {
                                                                        : fmt::format("ingest rounded heights by up to {} m", finest));
 }
 
+Question question_of(const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle) {
+  const Description& d = now.description();
+  Question question;
+  question.region = snapped(rectangle ? now.region(*rectangle) : d.extent, request.snap, d.extent);
+  question.border = parse_border(request.border);
+  if (request.max_level >= 0) question.max_level = request.max_level;
+  if (request.tolerance.empty()) {
+    if (question.border != Border::constrain || !request.focus.empty() || request.max_level >= 0) {
+      throw Failure(Cause::invalid_argument,
+                    "a budget finds the tolerance of a constrained border: without --focus, --max-level and other borders");
+    }
+    question.tolerance = now.tolerance_for(question.region, request.budget);
+  } else {
+    question.tolerance = parse_tolerance(request.tolerance);
+  }
+  if (!request.focus.empty()) {
+    const Focus focus = parse_focus(request.focus);
+    question.field = focus_tolerance(d, focus.x, focus.y, focus.metres_per_metre, question.tolerance);
+  }
+  return question;
+}
+
 Exit run(const Request& request) {
-  const Metres tolerance = parse_tolerance(request.tolerance);
+  const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
+  if (request.tolerance.empty() != has_budget)
+    throw Failure(Cause::invalid_argument, "expected --tolerance M, or a budget instead: --max-vertices, --max-triangles");
+  // What is misspelt is said before a file is opened.
+  if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
+  if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
+  static_cast<void>(parse_border(request.border));
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
   for (const std::string& output : request.outputs) check_output(output, request.database);
@@ -55,9 +86,11 @@ Exit run(const Request& request) {
   const Snapshot now = Database::open(request.database).snapshot();
   const Description& description = now.description();
   const auto start = std::chrono::steady_clock::now();
-  const GridRect region = rectangle ? now.region(*rectangle) : description.extent;
-  const Answer answer = now.range(region, tolerance);
-  const Mesh mesh = triangulate(answer.quadtree);
+  const Question question = question_of(request, now, rectangle);
+  const Metres tolerance = question.tolerance;
+  const Answer answer = now.ask(question);
+  Mesh mesh = triangulate(answer.quadtree);
+  if (question.border == Border::clip && rectangle) mesh = clip_mesh(mesh, now.frame(*rectangle));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   for (const std::string& output : request.outputs) {
@@ -69,8 +102,9 @@ Exit run(const Request& request) {
     print(Json{{"region", bounds(description, mesh.region)},
                {"tolerance", tolerance.value},
                {"bound", answer.quadtree.bound.value},
-               {"vertices", mesh.points.size()},
+               {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},
+               {"border_vertices", answer.border_vertices},
                {"pages_read", answer.cost.pages_read},
                {"bytes_read", answer.cost.bytes_read},
                {"seconds", seconds},
@@ -83,7 +117,8 @@ Exit run(const Request& request) {
   table.add("bound", metres(answer.quadtree.bound.value));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh",
-            fmt::format("{} vertices, {} triangles", counted(mesh.points.size()), counted(mesh.triangles.size())));
+            fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
+  table.add("border", fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
   if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));
   table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
                                 sized(answer.cost.bytes_read)));
@@ -100,9 +135,24 @@ void add_query(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
   command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")
-      ->option_text("M REQUIRED")
-      ->required();
+      ->option_text("M");
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
+  command
+      ->add_option("--border", request->border,
+                   "constrain: the rectangle's sides are mesh edges; cover: whole triangles that reach\n"
+                   "beyond; clip: those, cut at the rectangle as it was asked for")
+      ->option_text("constrain|cover|clip");
+  command->add_option("--snap", request->snap, "Grow the rectangle to multiples of N samples; 16 needs fewest border vertices")
+      ->option_text("N [1]");
+  command->add_option("--max-level", request->max_level, "No vertex finer than this level, 0 the coarsest; the bound says what it costs")
+      ->option_text("L");
+  command->add_option("--max-vertices", request->budget.vertices, "Instead of a tolerance: the smallest whose answer has at most N")
+      ->option_text("N");
+  command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")->option_text("N");
+  command
+      ->add_option("--focus", request->focus,
+                   "The tolerance is M at a point and grows by so many metres with each metre from it")
+      ->option_text("=X,Y,METRES_PER_METRE");
   command
       ->add_option("-o,--output", request->outputs,
                    "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
@@ -123,7 +173,9 @@ void add_query(CLI::App& program, Action& action) {
       "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
       "out in the source's vertical unit.\n"
       "\nExample:\n"
-      "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png");
+      "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png\n"
+      "  talus query alps.talus --max-triangles 100000 -o overview.ply\n"
+      "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

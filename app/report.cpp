@@ -13,7 +13,6 @@
 #include "talus/failure.hpp"
 
 namespace talus::app {
-namespace {
 
 void print(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
@@ -21,8 +20,6 @@ void print(const std::string& text) {
   throw Failure(code == ENOSPC ? Cause::full : Cause::io,
                 fmt::format("cannot write to standard output: {}", std::strerror(code)));
 }
-
-}  // namespace
 
 std::string Table::text() const {
   std::size_t width = 0;

@@ -27,6 +27,7 @@ class Table {
 /// Fails with io or full where standard output does.
 void print(const Json& object);
 void print(const Table& table);
+void print(const std::string& text);
 
 [[nodiscard]] std::string counted(std::uint64_t number);                    ///< 1234567 as 1,234,567
 [[nodiscard]] std::string sized(std::uint64_t bytes);                       ///< 12.3 MB

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <memory>
 #include <vector>
 
 #include "engine/page_codec.hpp"
@@ -50,7 +51,7 @@ std::vector<Page> pages_of(const StoredPages& stored, int band) {
 /// Bits of a sample of the raster, void ones included, as the sizes of other formats are quoted.
 void measure(const char* file) {
   const PageStore store = PageStore::open(file);
-  const StoredPages stored(store);
+  const StoredPages stored(store, std::make_shared<PageCache>(0));
   const Manifest& manifest = stored.manifest();
   const GridRect extent = manifest.description.extent;
   const CodeDistance& distance = stored.distance();

@@ -1,8 +1,10 @@
 // How long does a rectangle take, from file to indexed mesh?
 //
 // Data: swiss_germany.vrt where the real models are (TALUS_DEM_DIR), and a made terrain of 2049² samples that is
-// always there. The file is in the system's cache, nothing decoded is kept between questions: warm.
+// always there. The file is in the system's cache: warm. Rectangles keep nothing decoded between questions, points and
+// lines do.
 
+#include <list>
 #include <map>
 
 #include <benchmark/benchmark.h>
@@ -10,6 +12,7 @@
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
+#include "query/page_cache.hpp"
 #include "talus/talus.hpp"
 
 namespace talus {
@@ -26,6 +29,10 @@ class Databases {
   }
   const Snapshot& made() {
     return open("made.talus", [&] { return write_made(); });
+  }
+  fs::path made_file() {
+    (void)made();
+    return folder_ / "made.talus";
   }
   const Snapshot* real(const std::string& name) {
     const auto file = bench::real_model(name);
@@ -114,6 +121,84 @@ void BM_WholeSwiss_Warm(benchmark::State& state) {
   ask(state, *now, now->description().extent, static_cast<double>(state.range(0)));
 }
 BENCHMARK(BM_WholeSwiss_Warm)->ArgName("tolerance_m")->Arg(50)->Unit(benchmark::kMillisecond);
+
+/// A million points strewn over the made terrain, its pages decoded but for the first time (all fit), or each time anew.
+void heights(benchmark::State& state, std::uint64_t cache_bytes, std::optional<Metres> tolerance, double spread) {
+  const Snapshot now = Database::open(databases().made_file(), {.cache_bytes = cache_bytes}).snapshot();
+  std::vector<Position> points;
+  std::uint64_t bits = 1;
+  const auto random = [&] {
+    bits = bits * 6364136223846793005u + 1442695040888963407u;
+    return 0.5 + spread * static_cast<double>(bits >> 11) * 0x1p-53;
+  };
+  for (int i = 0; i < 1000000; ++i) {
+    const double x = random();
+    points.push_back({x, -random()});
+  }
+  std::vector<std::optional<double>> found(points.size());
+  const auto ask = [&] { return tolerance ? now.heights(points, *tolerance, found) : now.heights(points, found); };
+  ask();
+  QueryCost cost;
+  for (auto _ : state) cost = ask();
+  state.counters["pages"] = static_cast<double>(cost.pages_read);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
+}
+constexpr std::uint64_t kAll = std::uint64_t{1} << 30;
+void BM_Heights_Warm(benchmark::State& state) { heights(state, kAll, std::nullopt, 2048); }
+BENCHMARK(BM_Heights_Warm)->Unit(benchmark::kMillisecond);
+void BM_Heights_NothingKept(benchmark::State& state) { heights(state, 0, std::nullopt, 2048); }
+BENCHMARK(BM_Heights_NothingKept)->Unit(benchmark::kMillisecond);
+void BM_HeightsOfSurface_Warm(benchmark::State& state) {
+  heights(state, kAll, Metres{static_cast<double>(state.range(0))}, 2048);
+}
+BENCHMARK(BM_HeightsOfSurface_Warm)->ArgName("tolerance_m")->Arg(1)->Arg(20)->Unit(benchmark::kMillisecond);
+
+/// One point at a time, the way programs ask.
+void BM_Height_Warm(benchmark::State& state) {
+  const Snapshot& now = databases().made();
+  for (auto _ : state) benchmark::DoNotOptimize(now.height(700.3, -900.7));
+}
+BENCHMARK(BM_Height_Warm);
+void BM_HeightOfSurface_Warm(benchmark::State& state) {
+  const Snapshot& now = databases().made();
+  for (auto _ : state) benchmark::DoNotOptimize(now.height(700.3, -900.7, Metres{1}));
+}
+BENCHMARK(BM_HeightOfSurface_Warm);
+
+/// From corner to corner.
+void BM_Profile_Warm(benchmark::State& state) {
+  const Snapshot& now = databases().made();
+  const std::vector<Position> line{{1, -3}, {2040, -2030}};
+  std::size_t vertices = 0;
+  for (auto _ : state) {
+    const Profile profile = now.profile(line, Metres{static_cast<double>(state.range(0))});
+    vertices = profile.parts.at(0).size();
+  }
+  state.counters["vertices"] = static_cast<double>(vertices);
+}
+BENCHMARK(BM_Profile_Warm)->ArgName("tolerance_m")->Arg(1)->Arg(20)->Unit(benchmark::kMillisecond);
+
+/// What a page costs to keep a copy of: in memory that is used again, or in fresh memory.
+void BM_PageCache(benchmark::State& state) {
+  const bool recycled = state.range(0) != 0;
+  Page page;
+  page.heights.assign(1 << 14, 1);
+  page.errors.assign(1 << 14, 1);
+  page.eighths.assign(1 << 14, 1);
+  PageCache cache(std::uint64_t{64} << 20);
+  std::list<std::shared_ptr<const Page>> fresh;
+  std::uint64_t position = 0;
+  for (auto _ : state) {
+    if (recycled) {
+      const PageCache::BorrowedDecoder decoder = cache.borrow_decoder();
+      benchmark::DoNotOptimize(cache.keep({0, ++position, 0}, page));
+    } else {
+      fresh.push_back(std::make_shared<const Page>(page));
+      if (fresh.size() > 256) fresh.pop_front();
+    }
+  }
+}
+BENCHMARK(BM_PageCache)->ArgName("recycled")->Arg(1)->Arg(0)->Unit(benchmark::kMicrosecond)->Iterations(5000);
 
 }  // namespace
 }  // namespace talus

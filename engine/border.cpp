@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/scattered_vertices.hpp"
+
 namespace talus {
 namespace {
 
@@ -24,10 +26,8 @@ void cut_side(std::int32_t fixed, std::int32_t from, std::int32_t to, Place&& pl
 }  // namespace
 
 std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
-  // By log2 of the spacing, finest first: a vertex's parents are never finer than itself, and a side
-  // midpoint's parents, centres, have its own spacing.
-  std::vector<std::vector<GridPoint>> levels(31);
-  const auto take = [&](GridPoint p) { levels[static_cast<std::size_t>(height_in_tree(p))].push_back(p); };
+  ScatteredVertices found;
+  const auto take = [&](GridPoint p) { found.insert(p); };
   const auto& [first, last] = region;
   for (const std::int32_t row : {first.row, last.row}) {
     cut_side(
@@ -48,33 +48,17 @@ std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
   for (const GridPoint corner : {first, last, GridPoint{first.col, last.row}, GridPoint{last.col, first.row}})
     take(corner);
 
-  const auto settle = [](std::vector<GridPoint>& level) {
-    std::sort(level.begin(), level.end(),
-              [](GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row : a.col < b.col; });
-    level.erase(std::unique(level.begin(), level.end()), level.end());
-  };
-  for (std::size_t shift = 0; shift < levels.size(); ++shift) {
-    if (std::int64_t{1} << shift >= root) break;  // root corners depend on nothing
-    settle(levels[shift]);
-    const std::size_t before = levels[shift].size();
-    for (std::size_t i = 0; i < before; ++i) {
-      const GridPoint p = levels[shift][i];
-      if (!is_centre(p))
+  for (int shift = 0; std::int64_t{1} << shift < root; ++shift) {  // root corners depend on nothing
+    for (const bool centres : {false, true}) {
+      for (const GridPoint p : found.of_level(shift, centres)) {
         for (const GridPoint parent : diamond(p).apexes) take(parent);
-    }
-    settle(levels[shift]);
-    for (const GridPoint p : std::vector(levels[shift])) {
-      if (is_centre(p))
-        for (const GridPoint parent : diamond(p).apexes) take(parent);
+      }
     }
   }
   std::vector<GridPoint> inside;
-  for (auto& level : levels) {
-    settle(level);
-    for (const GridPoint p : level) {
-      if (region.contains(p)) inside.push_back(p);
-    }
-  }
+  found.for_each([&](GridPoint p) {
+    if (region.contains(p)) inside.push_back(p);
+  });
   return inside;
 }
 

@@ -94,6 +94,26 @@ struct Triangle {
            {p, d.apexes[1], d.ends[1]}}};
 }
 
+/// Whether a triangle of the hierarchy and a rectangle share more than a line: no line along one of their sides has them
+/// on its two sides.
+[[nodiscard]] constexpr bool meets(const Triangle& t, GridRect rect) {
+  if (rect.cols() < 2 || rect.rows() < 2) return false;  // a line has no inside
+  const auto apart = [&](auto&& along) {
+    const std::int64_t a = along(t.apex), b = along(t.left), c = along(t.right);
+    const std::int64_t low = a < b ? (a < c ? a : c) : (b < c ? b : c), high = a > b ? (a > c ? a : c) : (b > c ? b : c);
+    std::int64_t from = along(rect.first), to = from;
+    for (const GridPoint p : {rect.last, GridPoint{rect.first.col, rect.last.row}, GridPoint{rect.last.col, rect.first.row}}) {
+      const std::int64_t v = along(p);
+      from = v < from ? v : from;
+      to = v > to ? v : to;
+    }
+    return high <= from || to <= low;
+  };
+  return !apart([](GridPoint p) { return std::int64_t{p.col}; }) && !apart([](GridPoint p) { return std::int64_t{p.row}; }) &&
+         !apart([](GridPoint p) { return std::int64_t{p.col} + p.row; }) &&
+         !apart([](GridPoint p) { return std::int64_t{p.col} - p.row; });
+}
+
 /// Side of the smallest root square, standing at the origin, that is larger than the extent: no root
 /// triangle then lies inside the data, and no mesh needs a special case for one.
 [[nodiscard]] constexpr std::int32_t root_side(GridRect extent) {

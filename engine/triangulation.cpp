@@ -20,12 +20,18 @@ constexpr bool is_counter_clockwise(const Triangle& t) {
   return lr * rc - lc * rr > 0;
 }
 
+GridRect answered(const RestrictedQuadtree& quadtree) {
+  return quadtree.region.cols() > 0 ? quadtree.region : quadtree.vertices.region();
+}
+
 class Emitter {
  public:
   Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh)
       : quadtree_(quadtree),
         mask_(quadtree.vertices),
-        region_(mask_.region()),
+        region_(answered(quadtree)),
+        window_(mask_.region()),
+        reaches_out_(!(region_ == window_)),
         points_(mesh.points.data()),
         out_(mesh.triangles.data()),
         last_(out_ + mesh.triangles.size() - kMostAround) {}
@@ -97,10 +103,11 @@ class Emitter {
     const Diamond d = diamond(p);
     for (std::size_t side = 0; side < 2; ++side) {
       const GridPoint apex = d.apexes[side];
-      if (!region_.contains(apex)) continue;
+      if (!window_.contains(apex)) continue;
       for (std::size_t end = 0; end < 2; ++end) {
         const GridPoint other = d.ends[end];
-        if ((covers >> (2 * side + end) & 1) == 0 || !region_.contains(other)) continue;
+        if ((covers >> (2 * side + end) & 1) == 0 || !window_.contains(other)) continue;
+        if (reaches_out_ && !meets({p, apex, other}, region_)) continue;
         if (!finest && mask_.contains(midpoint(apex, other))) continue;
         const std::uint32_t left = mask_.rank(apex), right = mask_.rank(other);
         closed_ &= mask_.contains(apex) & mask_.contains(other);
@@ -112,7 +119,8 @@ class Emitter {
 
   const RestrictedQuadtree& quadtree_;
   const VertexMask& mask_;
-  GridRect region_;
+  GridRect region_, window_;
+  bool reaches_out_;
   GridPoint* points_;
   Corners* out_;
   const Corners* last_;  ///< out_ may stand here and no further
@@ -149,14 +157,15 @@ void drop_unused(Mesh& mesh) {
 
 Mesh triangulate(const RestrictedQuadtree& quadtree) {
   Mesh mesh;
-  mesh.region = quadtree.vertices.region();
+  mesh.region = answered(quadtree);
   mesh.heights = quadtree.heights;
   mesh.points.resize(quadtree.vertices.size());
   mesh.triangles.resize(2 * quadtree.vertices.size() + kMostAround);  // a planar mesh has fewer; room to write ahead
   const Corners* end = has_popcnt() ? emit_popcnt(quadtree, mesh) : emit_plain(quadtree, mesh);
   mesh.triangles.resize(static_cast<std::size_t>(end - mesh.triangles.data()));
   // Without voids every vertex of a region with an area is the corner of a triangle in it.
-  if (!quadtree.covers.empty() || mesh.triangles.empty()) drop_unused(mesh);
+  const bool reaches_out = !(mesh.region == quadtree.vertices.region());
+  if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) drop_unused(mesh);
   return mesh;
 }
 

@@ -8,7 +8,7 @@ namespace talus {
 
 /// A triangle is a leaf of the hierarchy iff the vertex at its right angle is there and the midpoint of
 /// its hypotenuse is not; so each vertex emits those of its four apex triangles whose midpoint is absent. Vertex
-/// numbers are ranks in the mask. Only triangles inside the region and with data are emitted; points no triangle uses
+/// numbers are ranks in the mask. Only triangles with data that meet the region and lie in the mask's are emitted; points no triangle uses
 /// are left out.
 ///
 /// fails    corrupt: a triangle's corner is not in the set, which then is not closed

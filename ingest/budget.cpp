@@ -23,9 +23,9 @@ std::uint64_t coarse_bytes(GridRect extent) {
 
 }  // namespace
 
-Budget budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code,
+WorkingMemory budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code,
                   std::uint64_t block_bytes) {
-  Budget budget;
+  WorkingMemory budget;
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   budget.gdal_cache_bytes = std::clamp(memory_bytes / 8, 16 * kMiB, 256 * kMiB);
   // One panel is worked on, the next is read, and what the two share is copied.

@@ -25,7 +25,7 @@ struct Job {
   // From these follow:
   GroundScale ground;
   CodeDistance distance;
-  Budget budget;
+  WorkingMemory budget;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };
 

@@ -6,24 +6,35 @@
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/budget.hpp"
+#include "query/heights.hpp"
+#include "query/profile.hpp"
+#include "query/question.hpp"
+#include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
 
 namespace talus {
 
+namespace {
+constexpr double kOnLine = 1e-6;  ///< a coordinate within so much of a cell of a grid line is on it
+}  // namespace
+
 struct Database::Opened {
   PageStore store;
+  std::shared_ptr<PageCache> cache;  ///< snapshots share it, and may outlive this
 };
 
 Database::Database(std::shared_ptr<Opened> opened) : opened_(std::move(opened)) {}
 
-Database Database::open(const std::filesystem::path& file) {
-  Database database(std::make_shared<Opened>(Opened{PageStore::open(file)}));
+Database Database::open(const std::filesystem::path& file, const OpenOptions& options) {
+  Database database(
+      std::make_shared<Opened>(Opened{PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes)}));
   (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
   return database;
 }
 
 Snapshot Database::snapshot() const {
-  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store)}));
+  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache)}));
 }
 
 Snapshot::Snapshot(std::unique_ptr<View> view) : view_(std::move(view)) {}
@@ -62,8 +73,7 @@ GridRect Snapshot::region(const Rectangle& r) const {
       !std::isfinite(r.xmax) || !std::isfinite(r.ymax)) {
     throw Failure(Cause::invalid_argument, fmt::format("rectangle {}: expected xmin < xmax and ymin < ymax", text));
   }
-  // Outward to grid lines; a coordinate within 10⁻⁶ cell of a line is on it.
-  constexpr double kOnLine = 1e-6;
+  // Outward to grid lines.
   const GridMapping& m = d.mapping;
   const double west = std::floor((r.xmin - m.x0) / m.dx + kOnLine), east = std::ceil((r.xmax - m.x0) / m.dx - kOnLine);
   const double north = std::floor((r.ymax - m.y0) / m.dy + kOnLine),
@@ -84,10 +94,75 @@ GridRect Snapshot::region(const Rectangle& r) const {
 
 Answer Snapshot::range(GridRect region, Metres tolerance) const { return range_query(view_->pages, region, tolerance); }
 
+Frame Snapshot::frame(const Rectangle& r) const {
+  static_cast<void>(region(r));
+  const GridMapping& m = description().mapping;
+  const GridRect& e = description().extent;
+  const auto on_line = [](double v) { return std::abs(v - std::round(v)) <= kOnLine ? std::round(v) : v; };
+  const auto col = [&](double x) { return std::clamp<double>(on_line((x - m.x0) / m.dx), e.first.col, e.last.col); };
+  const auto row = [&](double y) { return std::clamp<double>(on_line((y - m.y0) / m.dy), e.first.row, e.last.row); };
+  return {col(r.xmin), row(r.ymax), col(r.xmax), row(r.ymin)};
+}
+
+Answer Snapshot::ask(const Question& question) const {
+  require_sense(view_->pages, question);
+  const bool is_plain = question.border == Border::constrain && !question.field && question.points.empty() &&
+                        question.max_level >= finest_level(description().extent);
+  return is_plain ? range_query(view_->pages, question.region, question.tolerance)
+                  : select_and_gather(view_->pages, question);
+}
+
+Metres Snapshot::tolerance_for(GridRect region, const Budget& budget) const {
+  return talus::tolerance_for(view_->pages, region, budget);
+}
+
 Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(description().extent, tolerance).quadtree); }
 
 Mesh Snapshot::mesh(const Rectangle& rectangle, Metres tolerance) const {
   return triangulate(range(region(rectangle), tolerance).quadtree);
+}
+
+namespace {
+
+void require_room(std::size_t points, std::size_t room) {
+  if (points == room) return;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} points, and room for {} heights: expected as many", points, room));
+}
+
+}  // namespace
+
+std::optional<double> Snapshot::height(double x, double y) const {
+  const Position point{x, y};
+  std::optional<double> height;
+  heights({&point, 1}, {&height, 1});
+  return height;
+}
+
+std::optional<double> Snapshot::height(double x, double y, Metres tolerance) const {
+  const Position point{x, y};
+  std::optional<double> height;
+  heights({&point, 1}, tolerance, {&height, 1});
+  return height;
+}
+
+QueryCost Snapshot::heights(std::span<const Position> points, std::span<std::optional<double>> out) const {
+  require_room(points.size(), out.size());
+  return sampled_heights(view_->pages, points, out);
+}
+
+QueryCost Snapshot::heights(std::span<const Position> points, Metres tolerance,
+                            std::span<std::optional<double>> out) const {
+  require_room(points.size(), out.size());
+  return surface_heights(view_->pages, view_->pages.extent_border(), tolerance, points, out);
+}
+
+bool Snapshot::is_inside(Position point) const {
+  return contains(description().extent, grid_place(description().mapping, point));
+}
+
+Profile Snapshot::profile(std::span<const Position> line, Metres tolerance) const {
+  return talus::profile(view_->pages, view_->pages.extent_border(), line, tolerance);
 }
 
 SampleWindow Snapshot::samples(GridRect region) const {

@@ -22,8 +22,8 @@ const Page* KeptHeights::page_with(GridPoint p) {
   return band.page;
 }
 
-bool KeptHeights::is_kept(const Page& page, std::int32_t col, std::int32_t row) const {
-  return all_kept_ || page.error(page.index(col, row), pages_.distance()) > largest_dropped_ ||
+bool KeptHeights::is_kept_for_its_error(const Page& page, std::int32_t col, std::int32_t row) const {
+  return page.error(page.index(col, row), pages_.distance()) > largest_dropped_ ||
          is_near_border(page.grid.at(col, row), page.extent);
 }
 

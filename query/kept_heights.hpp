@@ -20,7 +20,9 @@ class KeptHeights {
   KeptHeights(const StoredPages& pages, QueryCost& cost);
 
   /// Whether a vertex of a page's band stands at its own height. A page may hold more heights than that.
-  [[nodiscard]] bool is_kept(const Page& page, std::int32_t col, std::int32_t row) const;
+  [[nodiscard]] bool is_kept(const Page& page, std::int32_t col, std::int32_t row) const {
+    return all_kept_ || is_kept_for_its_error(page, col, row);
+  }
   /// In height codes; 0 where nothing needs a height and none is stored.
   /// fails  corrupt: a page
   [[nodiscard]] double at(GridPoint p);
@@ -32,6 +34,7 @@ class KeptHeights {
     const Page* page = nullptr;
   };
   [[nodiscard]] const Page* page_with(GridPoint p);
+  [[nodiscard]] bool is_kept_for_its_error(const Page& page, std::int32_t col, std::int32_t row) const;
 
   const StoredPages& pages_;
   QueryCost& cost_;

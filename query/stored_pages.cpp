@@ -1,12 +1,28 @@
 #include "query/stored_pages.hpp"
 
+#include <mutex>
+#include <optional>
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "query/extent_border.hpp"
 #include "storage/checksum.hpp"
 
 namespace talus {
 
-StoredPages::StoredPages(const PageStore& store) : txn_(store), file_(store.file()) {
+struct StoredPages::Lazy {
+  std::once_flag once;
+  std::optional<ExtentBorder> border;
+};
+
+const ExtentBorder& StoredPages::extent_border() const {
+  std::call_once(lazy_->once, [&] { lazy_->border.emplace(manifest_.description.extent); });
+  return *lazy_->border;
+}
+
+StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache)
+    : txn_(store), cache_(std::move(cache)), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
   if (!header) throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()));
   header_bytes_ = header->content.size() + kPagePrefixBytes;
@@ -40,6 +56,16 @@ const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& d
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
   return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+}
+
+std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generation, QueryCost& cost) const {
+  const PageCache::Key key{id.band, curve_position(id), generation};
+  if (auto page = cache_->find(key)) {
+    ++cost.pages_cached;
+    return page;
+  }
+  const PageCache::BorrowedDecoder decoder = cache_->borrow_decoder();
+  return cache_->keep(key, get(id, generation, *decoder, cost));
 }
 
 const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {

@@ -2,30 +2,39 @@
 // The pages of one consistent view, decoded on demand.
 
 #include <filesystem>
+#include <memory>
 
 #include "engine/manifest.hpp"
 #include "engine/page_codec.hpp"
+#include "query/page_cache.hpp"
 #include "storage/page_store.hpp"
 #include "talus/database.hpp"
 
 namespace talus {
 
+class ExtentBorder;
+
 /// May be asked from several threads at once.
 class StoredPages {
  public:
   /// fails  corrupt, unsupported: no header, a damaged one, another version
-  explicit StoredPages(const PageStore& store);
+  StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache);
 
   [[nodiscard]] const Manifest& manifest() const { return manifest_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] const CodeDistance& distance() const { return distance_; }
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
+  /// Of the whole raster, made when first asked for.
+  [[nodiscard]] const ExtentBorder& extent_border() const;
   [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
 
   /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
   /// next. Adds what it cost.
   /// fails  corrupt: missing, stale or damaged
   [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
+  /// The same page to share, for as long as it is held: from the cache if it is there, which counts as cached and not
+  /// as read, else read and left in the cache.
+  [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
   /// The same of whatever generation: for those that come past the pages above it.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
   /// A page without its errors.
@@ -37,10 +46,13 @@ class StoredPages {
   void require(PageId id, std::uint32_t generation, const StoredPage& page) const;
 
   ReadTxn txn_;
+  std::shared_ptr<PageCache> cache_;
   std::filesystem::path file_;
   Manifest manifest_;
   CodeDistance distance_;
   std::uint64_t header_bytes_ = 0;
+  struct Lazy;
+  std::shared_ptr<Lazy> lazy_;
 };
 
 }  // namespace talus

@@ -27,7 +27,7 @@ OURS = {
 # What of others is let in, and where. Headers not named here are let in nowhere but in the standard library.
 GDAL = r"(gdal|ogr|cpl|vrt)[a-z0-9_]*\.h"
 THEIRS = [
-    ("GDAL", GDAL, r"ingest/|query/(export|bindings/gdal)/", "ingest/ and query/export/"),
+    ("GDAL", GDAL, r"ingest/|query/(ground\.|(export|bindings/gdal)/)", "ingest/, query/export/ and query/ground"),
     ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
     ("xxHash", r"xxh(ash|3)\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
     ("GeographicLib", r"GeographicLib/", r"engine/geodesy\.", "engine/geodesy"),

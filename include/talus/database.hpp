@@ -6,12 +6,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "talus/description.hpp"
 #include "talus/failure.hpp"
 #include "talus/quadtree.hpp"
+#include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
@@ -20,10 +22,27 @@ namespace talus {
 struct QueryCost {
   std::uint64_t pages_read = 0, bytes_read = 0;
   double seconds = 0;
+  std::uint64_t pages_cached = 0;  ///< found decoded, and neither read nor counted as read
 };
 
 struct Answer {
   RestrictedQuadtree quadtree;
+  std::uint64_t border_vertices = 0;  ///< of the quadtree, that only the border needs
+  QueryCost cost;
+};
+
+struct ProfileVertex {
+  double distance_m = 0;  ///< on the ground, from the first point of the line along it
+  double x = 0, y = 0;    ///< in the CRS
+  double height = 0;      ///< in the vertical unit
+};
+
+/// A surface along a line: between two vertices of a part the height is linear in x and y.
+struct Profile {
+  std::vector<std::vector<ProfileVertex>> parts;  ///< in the line's order; between two of them is no data
+  double length_m = 0;                            ///< of the line on the ground, with what lies between parts
+  Metres tolerance;                               ///< as asked
+  Metres bound;  ///< no covered sample on the line is farther from the profile; see RestrictedQuadtree::bound
   QueryCost cost;
 };
 
@@ -56,6 +75,11 @@ class Snapshot {
   /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster
   [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
 
+  /// The rectangle itself, where grid lines are whole numbers (within 10⁻⁶ of one it is on it), cut at the raster's outermost
+  /// samples: what an answer is clipped to.
+  /// fails  as region
+  [[nodiscard]] Frame frame(const Rectangle& rectangle) const;
+
   /// The restricted quadtree of a region at a tolerance, its border constrained: every valid sample under
   /// the surface lies within `tolerance` of it, every covered sample of the region lies under it, no
   /// triangle leaves the region, and answers at one tolerance for regions that share a whole side, each at
@@ -76,9 +100,60 @@ class Snapshot {
   /// source     [P98 §4, §10], design of the border: docs/architecture.md
   [[nodiscard]] Answer range(GridRect region, Metres tolerance) const;
 
+  /// The same with another border, a tolerance that varies, levels or points that are asked for; see Question. The quadtree
+  /// of `cover` and `clip` holds what its triangles need beyond the region; triangulate() gives exactly the triangles of the
+  /// whole raster's answer that meet it.
+  ///
+  /// A field's answer holds every covered sample within its own tolerance: a vertex is left out only if its error is
+  /// within the least tolerance of its diamond. Two such answers need not meet.
+  ///
+  /// fails  as range; invalid_argument: a point outside the region, a level below 0, a field with another border than
+  ///        constrain
+  /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
+  [[nodiscard]] Answer ask(const Question& question) const;
+
+  /// The smallest tolerance on the ladder of stored errors (engine/error_ladder.hpp) whose answer
+  /// with a constrained border fits a budget. Exact, and without trial: pages with the largest errors are counted first,
+  /// until no other can matter.
+  /// fails  invalid_argument: region as in range; a budget that the border alone exceeds, naming what it needs
+  /// cost   pages with errors above the result, the border's pages
+  [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget) const;
+
   /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
   [[nodiscard]] Mesh mesh(Metres tolerance) const;
   [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
+
+  /// The height at a point in the vertical unit, bilinear between the four samples around it. Samples are pixel centres.
+  /// A point on a line of samples, or within 10⁻⁶ cell of one, needs only the two on either side along the line; one on
+  /// a sample needs that sample, and gets its height bit for bit.
+  /// returns  nothing where a sample that is needed is void or outside the extent, or a coordinate is no number
+  /// fails    unsupported: a database that keeps the vertices of a tolerance only; corrupt
+  [[nodiscard]] std::optional<double> height(double x, double y) const;
+  /// The height of a surface: that of the whole extent's answer at a tolerance, as range() of the extent gives it. So
+  /// this is what a mesh shows there, and within the tolerance of covered samples.
+  /// tolerance  as of range(); any database has surfaces
+  /// returns    nothing where no triangle is: outside the extent, beside data
+  /// fails      invalid_argument: the tolerance; corrupt
+  /// cost       a few pages, and for the first of a snapshot the border's vertices, in proportion to the extent's sides
+  [[nodiscard]] std::optional<double> height(double x, double y, Metres tolerance) const;
+  /// Many points at once, answers in their order: each page is decoded once, however the points are strewn.
+  /// out    of the size of `points`
+  /// fails  as above; invalid_argument: of another size
+  /// cost   where the pages are decoded half a microsecond a point, one to two on a surface
+  QueryCost heights(std::span<const Position> points, std::span<std::optional<double>> out) const;
+  QueryCost heights(std::span<const Position> points, Metres tolerance, std::span<std::optional<double>> out) const;
+  /// Whether a point lies among the samples, on the outermost ones included: beyond no question has an answer.
+  [[nodiscard]] bool is_inside(Position point) const;
+
+  /// The height along a line through two or more points, straight between them in CRS coordinates. Half of the tolerance
+  /// goes to the surface whose every triangle under the line is cut, and what its bound leaves of the whole to leaving
+  /// out vertices of that cut, so that the profile is within the tolerance of covered samples on the line. The line's
+  /// points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside the extent;
+  /// where it touches a triangle in one point it has no part.
+  /// fails  invalid_argument: fewer than two points, all at one place, a coordinate that is no finite number, the
+  ///        tolerance; corrupt
+  /// cost   the pages along the line, in proportion to the triangles under it; the first also as height()
+  [[nodiscard]] Profile profile(std::span<const Position> line, Metres tolerance) const;
 
   /// Stored samples, bit for bit as the source had them. `region` within the extent.
   /// fails  invalid_argument; unsupported: a database that keeps the vertices of a tolerance only
@@ -92,11 +167,16 @@ class Snapshot {
   std::unique_ptr<View> view_;
 };
 
-/// An open database file. Copies share one environment; a file is opened once per process.
+struct OpenOptions {
+  /// Of decoded pages that are kept for the next question, at 14 to 20 bytes a sample. 0: none is.
+  std::uint64_t cache_bytes = std::uint64_t{64} << 20;
+};
+
+/// An open database file. Copies share one environment and one cache; a file is opened once per process.
 class Database {
  public:
   /// fails  not_found; corrupt: not a database or a damaged header; unsupported: another version
-  [[nodiscard]] static Database open(const std::filesystem::path& file);
+  [[nodiscard]] static Database open(const std::filesystem::path& file, const OpenOptions& options = {});
   [[nodiscard]] Snapshot snapshot() const;
 
  private:
@@ -108,6 +188,13 @@ class Database {
 /// The unique conforming triangulation of a quadtree, without recursion. Linear time. [P98 §3]
 /// fails  corrupt: vertices that are not closed under their parents, as damaged errors select
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree);
+
+/// A mesh cut at a frame; heights along the cuts are those of its edges, so its bound holds. Meshes of one answer that are
+/// cut at frames that share a whole side meet there without a crack.
+///
+/// mesh  of an answer with Border::cover whose region the frame lies in
+/// cost  linear
+[[nodiscard]] Mesh clip_mesh(const Mesh& mesh, Frame frame);
 
 // ---- verify --------------------------------------------------------------------------------------
 

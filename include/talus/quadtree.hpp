@@ -29,6 +29,11 @@ class VertexMask {
     const auto [word, bit] = place(p);
     words_[word] |= std::uint64_t{1} << bit;
   }
+  /// A row's bits, for those who settle 64 samples at once: bit i of word w is column region().first.col + 64w + i.
+  /// Bits beyond the last column must stay zero.
+  [[nodiscard]] std::span<std::uint64_t> row_words(std::int32_t row) {
+    return {words_.data() + place({region_.first.col, row}).word, words_per_row_};
+  }
   /// Counts the members; `rank` and `size` hold from here until the next insert.
   void seal();
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -73,7 +78,9 @@ class VertexMask {
 /// A set of vertices closed under the dependency graph. It needs no stored topology: its
 /// triangulation is unique and conforming. [P98 §3]
 struct RestrictedQuadtree {
-  VertexMask vertices;          ///< over the region that was answered
+  /// That was answered: triangles that do not meet it are none of the answer. Empty: that of the vertices.
+  GridRect region{{0, 0}, {-1, -1}};
+  VertexMask vertices;  ///< over the region, or over all that its triangles need
   std::vector<double> heights;  ///< by rank, in the source's vertical unit
   /// By rank, four bits a vertex: which of the four triangles with this vertex at their right angle
   /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
@@ -83,12 +90,30 @@ struct RestrictedQuadtree {
                      ///< plus, where heights are no binary fractions, a nanometre of rounding
 };
 
+/// A place on the grid that need not be a sample.
+struct Place {
+  double col{}, row{};
+  friend constexpr bool operator==(Place, Place) = default;
+};
+
+/// A rectangle of places.
+struct Frame {
+  double west{}, north{}, east{}, south{};
+};
+
 /// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.
 struct Mesh {
-  GridRect region;                                      ///< the outermost sample positions answered
-  std::vector<GridPoint> points;                        ///< each used by at least one triangle
-  std::vector<double> heights;                          ///< by point, in the source's vertical unit
+  GridRect region;                ///< the outermost sample positions answered
+  std::vector<GridPoint> points;  ///< each used by at least one triangle
+  std::vector<double> heights;    ///< of points, then of cuts, in the source's vertical unit
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from above
+  std::vector<Place> cuts = {};   ///< where clip_mesh cut edges: they count on behind `points`
+
+  [[nodiscard]] std::size_t size() const { return points.size() + cuts.size(); }
+  [[nodiscard]] Place place(std::size_t i) const {
+    return i < points.size() ? Place{static_cast<double>(points[i].col), static_cast<double>(points[i].row)}
+                             : cuts[i - points.size()];
+  }
 };
 
 }  // namespace talus

@@ -39,6 +39,12 @@ struct GridRect {
   }
 };
 
+/// A point in the coordinates of a database's CRS.
+struct Position {
+  double x{}, y{};
+  friend constexpr bool operator==(Position, Position) = default;
+};
+
 /// A rectangle in the coordinates of a database's CRS: X before Y, and xmin < xmax, ymin < ymax.
 /// Samples are pixel centres, so a rectangle that ends on the edge of a raster's outermost pixels
 /// ends half a cell beyond the outermost samples.
@@ -51,8 +57,8 @@ struct Rectangle {
 struct GridMapping {
   double x0{}, y0{}, dx{1}, dy{-1};
   friend constexpr bool operator==(GridMapping, GridMapping) = default;
-  [[nodiscard]] constexpr double x(std::int32_t col) const { return x0 + col * dx; }
-  [[nodiscard]] constexpr double y(std::int32_t row) const { return y0 + row * dy; }
+  [[nodiscard]] constexpr double x(double col) const { return x0 + col * dx; }
+  [[nodiscard]] constexpr double y(double row) const { return y0 + row * dy; }
 };
 
 }  // namespace talus

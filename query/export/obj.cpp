@@ -14,9 +14,9 @@ void write_obj(const Mesh& mesh, const Description& description, OutputFile& out
     out.write({line.data(), line.size()});
     line.clear();
   };
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    fmt::format_to(std::back_inserter(line), "v {} {} {}\n", description.mapping.x(mesh.points[i].col),
-                   description.mapping.y(mesh.points[i].row), mesh.heights[i]);
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    fmt::format_to(std::back_inserter(line), "v {} {} {}\n", description.mapping.x(mesh.place(i).col),
+                   description.mapping.y(mesh.place(i).row), mesh.heights[i]);
     put();
   }
   for (const auto& [a, b, c] : mesh.triangles) {

@@ -9,10 +9,10 @@
 namespace talus {
 
 void write_ply(const Mesh& mesh, const Description& description, OutputFile& out) {
-  if (mesh.points.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+  if (mesh.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw Failure(Cause::unsupported, fmt::format("a PLY file counts at most {} vertices, the mesh has {}; ask for a "
                                                   "smaller rectangle or a larger tolerance",
-                                                  std::numeric_limits<std::int32_t>::max(), mesh.points.size()));
+                                                  std::numeric_limits<std::int32_t>::max(), mesh.size()));
   }
   out.write(
       fmt::format("ply\n"
@@ -25,10 +25,10 @@ void write_ply(const Mesh& mesh, const Description& description, OutputFile& out
                   "element face {}\n"
                   "property list uchar int vertex_indices\n"
                   "end_header\n",
-                  mesh.points.size(), mesh.triangles.size()));
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    out.write_little_endian(description.mapping.x(mesh.points[i].col));
-    out.write_little_endian(description.mapping.y(mesh.points[i].row));
+                  mesh.size(), mesh.triangles.size()));
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    out.write_little_endian(description.mapping.x(mesh.place(i).col));
+    out.write_little_endian(description.mapping.y(mesh.place(i).row));
     out.write_little_endian(mesh.heights[i]);
   }
   for (const auto& triangle : mesh.triangles) {

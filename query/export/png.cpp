@@ -118,12 +118,8 @@ struct Canvas {
     per_col = width / cols;
     per_row = height / rows;
   }
-  [[nodiscard]] double x(GridPoint p) const {
-    return static_cast<double>(std::int64_t{p.col} - region.first.col) * per_col;
-  }
-  [[nodiscard]] double y(GridPoint p) const {
-    return static_cast<double>(std::int64_t{p.row} - region.first.row) * per_row;
-  }
+  [[nodiscard]] double x(Place p) const { return (p.col - region.first.col) * per_col; }
+  [[nodiscard]] double y(Place p) const { return (p.row - region.first.row) * per_row; }
   [[nodiscard]] std::size_t pixels() const {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
@@ -138,10 +134,10 @@ struct Slope {
 
 // Slope at each vertex: the mean of its triangles' by their area on the canvas. Smooth shading comes from it.
 std::vector<Slope> vertex_slopes(const Mesh& mesh, CellSides cell) {
-  std::vector<Slope> slopes(mesh.points.size());
-  std::vector<float> areas(mesh.points.size(), 0);
+  std::vector<Slope> slopes(mesh.size());
+  std::vector<float> areas(mesh.size(), 0);
   for (const auto& triangle : mesh.triangles) {
-    const GridPoint a = mesh.points[triangle[0]], b = mesh.points[triangle[1]], c = mesh.points[triangle[2]];
+    const Place a = mesh.place(triangle[0]), b = mesh.place(triangle[1]), c = mesh.place(triangle[2]);
     const double bx = (b.col - a.col) * cell.across, by = -(b.row - a.row) * cell.down;
     const double cx = (c.col - a.col) * cell.across, cy = -(c.row - a.row) * cell.down;
     const double bz = mesh.heights[triangle[1]] - mesh.heights[triangle[0]];
@@ -170,8 +166,8 @@ void lay_triangle(const Mesh& mesh, const std::vector<Slope>& slopes, const std:
                   const Canvas& canvas, Relief& relief) {
   std::array<double, 3> x{}, y{};
   for (std::size_t i = 0; i < 3; ++i) {
-    x[i] = canvas.x(mesh.points[ids[i]]) * kSub - 0.5;  // subpixel centres lie on whole numbers
-    y[i] = canvas.y(mesh.points[ids[i]]) * kSub - 0.5;
+    x[i] = canvas.x(mesh.place(ids[i])) * kSub - 0.5;  // subpixel centres lie on whole numbers
+    y[i] = canvas.y(mesh.place(ids[i])) * kSub - 0.5;
   }
   const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
   if (area == 0) return;
@@ -256,7 +252,7 @@ Colour lit(Colour ground, float east, float north) {
 }
 
 // How much of each pixel the lines cover. A line drawn twice covers no more than one.
-void draw_line(const Canvas& canvas, GridPoint from, GridPoint to, float strength, std::vector<float>& cover) {
+void draw_line(const Canvas& canvas, Place from, Place to, float strength, std::vector<float>& cover) {
   const double x0 = canvas.x(from) - 0.5, y0 = canvas.y(from) - 0.5;
   const double dx = canvas.x(to) - 0.5 - x0, dy = canvas.y(to) - 0.5 - y0;
   const double length = std::hypot(dx, dy);
@@ -282,7 +278,7 @@ void draw_line(const Canvas& canvas, GridPoint from, GridPoint to, float strengt
 std::vector<float> lines_of(const Mesh& mesh, const Canvas& canvas) {
   std::vector<float> cover(canvas.pixels(), 0);
   for (const auto& triangle : mesh.triangles) {
-    const GridPoint a = mesh.points[triangle[0]], b = mesh.points[triangle[1]], c = mesh.points[triangle[2]];
+    const Place a = mesh.place(triangle[0]), b = mesh.place(triangle[1]), c = mesh.place(triangle[2]);
     const double area = (canvas.x(b) - canvas.x(a)) * (canvas.y(c) - canvas.y(a)) -
                         (canvas.x(c) - canvas.x(a)) * (canvas.y(b) - canvas.y(a));
     const float strength = smooth_step(kFadeTo, kFadeFrom, std::sqrt(std::abs(area)));  // of its legs, were they equal

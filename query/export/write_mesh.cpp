@@ -34,7 +34,7 @@ const Format& format_of(const std::filesystem::path& file) {
 
 // A mesh may come from anywhere; the writers index by it.
 void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
-  const std::size_t points = mesh.points.size();
+  const std::size_t points = mesh.size();
   if (mesh.heights.size() != points) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("cannot write {}: the mesh has {} points and {} heights; each point needs one",

@@ -29,14 +29,14 @@ struct Pipe {
   }
 };
 
-[[noreturn]] void become(const std::vector<std::string>& arguments, const std::string& folder, int out, int err) {
+[[noreturn]] void become(const std::vector<std::string>& arguments, const RunOptions& options, int out, int err) {
   std::vector<char*> words;
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
-  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  dup2(open(options.input.empty() ? "/dev/null" : options.input.c_str(), O_RDONLY), STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
-  if (folder.empty() || chdir(folder.c_str()) == 0) execvp(words[0], words.data());
+  if (options.folder.empty() || chdir(options.folder.c_str()) == 0) execvp(words[0], words.data());
   _exit(127);
 }
 
@@ -54,7 +54,7 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
   Pipe out, err;
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("no process");
-  if (child == 0) become(arguments, options.folder, out.ends[1], err.ends[1]);
+  if (child == 0) become(arguments, options, out.ends[1], err.ends[1]);
   out.close_end(1);
   err.close_end(1);
 

@@ -17,10 +17,11 @@ struct Outcome {
 struct RunOptions {
   std::optional<std::chrono::milliseconds> kill_after;  ///< SIGKILL, as a power cut would
   std::chrono::seconds at_most{120};                    ///< SIGKILL too, so that a test never hangs
+  std::string input;                         ///< a file to be the standard input; empty: an empty one
   std::string folder;                                   ///< to run in; empty: this process's
 };
 
-/// Runs `arguments[0]` with the rest, standard input empty.
+/// Runs `arguments[0]` with the rest.
 Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
 }  // namespace talus::support

@@ -1,0 +1,72 @@
+#include "query/cover.hpp"
+
+#include <cstdlib>
+
+
+namespace talus {
+namespace {
+
+class Around {
+ public:
+  Around(GridRect region, GridRect extent, int finest_height, const Above& above, const ExtentBorder& border,
+         PageWalk& pages)
+      : region_(region), extent_(extent), finest_height_(finest_height), above_(above), border_(border), pages_(pages) {}
+
+  VerticesAround run() {
+    // The four root squares meet at the origin; each is two triangles along the diagonal through it or across it.
+    const std::int32_t side = root_side(extent_);
+    for (const std::int32_t y : {-side, 0}) {
+      for (const std::int32_t x : {-side, 0}) {
+        const Diamond d = diamond({x + side / 2, y + side / 2});
+        if (side == 1) continue;  // a single sample
+        for (const GridPoint apex : d.apexes) visit({apex, d.ends[0], d.ends[1]});
+      }
+    }
+    return std::move(outside_);
+  }
+
+ private:
+  void visit(const Triangle& t) {
+    if (!meets(t, region_)) return;
+    if (region_.contains(t.apex) && region_.contains(t.left) && region_.contains(t.right)) return;  // seen from inside
+    const GridPoint split = midpoint(t.left, t.right);
+    const bool is_finest = std::abs(t.left.col - t.right.col) < 2 && std::abs(t.left.row - t.right.row) < 2;
+    if (is_finest || !is_split(t, split)) {
+      for (const GridPoint p : {t.apex, t.left, t.right}) {
+        if (!region_.contains(p)) outside_.corners.push_back(p);
+      }
+      return;
+    }
+    if (!region_.contains(split)) outside_.splits.push_back(split);
+    visit({split, t.apex, t.left});
+    visit({split, t.apex, t.right});
+  }
+
+  /// A triangle that leaves the extent is split by the extent's border, whether its split vertex is there or not.
+  bool is_split(const Triangle& t, GridPoint split) {
+    if (!extent_.contains(t.apex) || !extent_.contains(t.left) || !extent_.contains(t.right)) return true;
+    if (border_.contains(split)) return true;
+    if (height_in_tree(split) < finest_height_) return false;
+    const std::shared_ptr<const Page> page = pages_.find(split);
+    if (page == nullptr) return false;
+    const std::int32_t col = (split.col >> page->grid.shift) - page->grid.first.col;
+    const std::int32_t row = (split.row >> page->grid.shift) - page->grid.first.row;
+    return above_(*page, page->index(col, row));
+  }
+
+  GridRect region_, extent_;
+  int finest_height_;
+  const Above& above_;
+  const ExtentBorder& border_;
+  PageWalk& pages_;
+  VerticesAround outside_;
+};
+
+}  // namespace
+
+VerticesAround vertices_around(GridRect region, GridRect extent, int finest_height, const Above& above,
+                               const ExtentBorder& border, PageWalk& pages) {
+  return Around(region, extent, finest_height, above, border, pages).run();
+}
+
+}  // namespace talus

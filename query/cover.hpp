@@ -1,0 +1,24 @@
+#pragma once
+// The triangles of the whole raster's answer that meet a region.
+
+#include <vector>
+
+#include "query/extent_border.hpp"
+#include "query/found.hpp"
+#include "query/page_walk.hpp"
+
+namespace talus {
+
+/// What an answer needs beyond a region so that all triangles that meet it are whole.
+struct VerticesAround {
+  std::vector<GridPoint> corners;  ///< of those triangles, outside the region; repeated
+  /// Split vertices outside the region of triangles that are none of them: where all corners of such a triangle are
+  /// vertices of the answer, this must be one, too, and tells that the triangle was split.
+  std::vector<GridPoint> splits;
+};
+
+/// cost  in proportion to the triangles that the region's sides cut
+[[nodiscard]] VerticesAround vertices_around(GridRect region, GridRect extent, int finest_height,
+                                                     const Above& above, const ExtentBorder& border, PageWalk& pages);
+
+}  // namespace talus

@@ -1,0 +1,79 @@
+#include "query/found.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace talus {
+namespace {
+
+/// More metres than doubles miss decimal heights by; part of the bound where a step is no binary fraction.
+constexpr double kDecimalRounding = 1e-9;
+
+/// The largest distance in height codes that is still within a tolerance; -1 if none is.
+double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
+  const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
+  double low = 0, high = std::numeric_limits<double>::max();
+  if (!within(0)) return -1;
+  if (within(high)) return high;
+  for (double middle = 1;; middle = low + (high - low) / 2) {
+    if (middle <= low || middle >= high) return low;
+    (within(middle) ? low : high) = middle;
+  }
+}
+
+/// The same in eighths of a code.
+std::int32_t largest_eighths_within(double largest_distance) {
+  if (largest_distance < 0) return -1;
+  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+  return largest_distance < kMost / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMost;
+}
+
+}  // namespace
+
+Above::Above(double tolerance_m, const CodeDistance& distance)
+    : code_(largest_code_within(tolerance_m)),
+      distance_(largest_distance_within(tolerance_m, distance)),
+      eighths_(largest_eighths_within(distance_)) {}
+
+RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices) {
+  RestrictedQuadtree answer;
+  answer.region = region;
+  std::size_t count = 0;
+  bool all_covered = true;
+  for (const OfPage& page : pages_found_) {
+    count += page.at.size();
+    all_covered =
+        all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
+  }
+  vertices.seal();
+  if (vertices.size() != count) {  // border vertices amid voids, in pages that were never stored
+    vertices = VertexMask(vertices.region());
+    for (const OfPage& page : pages_found_) {
+      for (const GridPoint p : page.at) vertices.insert(p);
+    }
+    vertices.seal();
+  }
+  answer.heights.resize(count);
+  if (!all_covered) answer.covers.resize(count, 15);
+  const HeightStep& step = pages_.manifest().description.step;
+  std::vector<std::uint32_t> ranks;
+  for (const OfPage& page : pages_found_) {
+    ranks.resize(page.at.size());
+    vertices.ranks(page.at, ranks);
+    for (std::size_t i = 0; i < ranks.size(); ++i) answer.heights[ranks[i]] = step.value(page.heights[i]);
+    for (std::size_t i = 0; !all_covered && i < page.covers.size(); ++i) answer.covers[ranks[i]] = page.covers[i];
+  }
+  answer.vertices = std::move(vertices);
+  return answer;
+}
+
+Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
+  const Description& d = pages.manifest().description;
+  double metres = std::max(error_of(absent.code), d.kept_above());
+  if (absent.distance >= 0)
+    metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
+  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
+  return Metres{metres + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding)};
+}
+
+}  // namespace talus

@@ -1,0 +1,85 @@
+#pragma once
+// The selected vertices of pages on their way into an answer.
+
+#include <optional>
+#include <vector>
+
+#include "query/kept_heights.hpp"
+
+namespace talus {
+
+/// What a tolerance selects, exactly: errors that pages imply are on no ladder.
+class Above {
+ public:
+  /// `tolerance_m` without what stored heights may be off.
+  Above(double tolerance_m, const CodeDistance& distance);
+
+  /// Of sample i of a page: false for those that are no vertices of its own.
+  [[nodiscard]] bool operator()(const Page& page, std::size_t i) const {
+    if (page.errors[i] > code_) return true;
+    if (!page.eighths.empty()) return page.eighths[i] > eighths_;
+    return !page.distances.empty() && page.distances[i] > distance_;
+  }
+  /// Whether a page with this largest error may hold one.
+  [[nodiscard]] bool operator()(ErrorCode largest) const { return largest > code_; }
+
+  [[nodiscard]] ErrorCode code() const { return code_; }
+  [[nodiscard]] std::int32_t eighths() const { return eighths_; }  ///< of a height code, -1: none is small enough
+  [[nodiscard]] double distance() const { return distance_; }      ///< in height codes
+
+ private:
+  ErrorCode code_;
+  double distance_;
+  std::int32_t eighths_;
+};
+
+/// The largest error that an answer leaves out.
+struct LargestAbsent {
+  ErrorCode code = 0;
+  double distance = -1;  ///< in height codes, of those that are implied; -1: none
+
+  void take(const Page& page, std::size_t i) {
+    if (page.is_implied(i)) {
+      distance = std::max(distance, page.implied_distance(i));
+    } else {
+      code = std::max(code, page.errors[i]);
+    }
+  }
+};
+
+/// Collects vertices page by page, then makes a quadtree of them.
+class FoundVertices {
+ public:
+  FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), kept_(pages, cost) {}
+
+  void begin_page() { pages_found_.emplace_back(); }
+  /// An own vertex of the page that was begun.
+  void take(const Page& page, std::int32_t col, std::int32_t row) {
+    OfPage& here = pages_found_.back();
+    const GridPoint p = page.grid.at(col, row);
+    const std::size_t i = page.index(col, row);
+    here.at.push_back(p);
+    here.heights.push_back(kept_.is_kept(page, col, row) ? page.heights[i] : kept_.at(p));
+    if (!page.covers.empty()) here.covers.push_back(page.covers[i]);
+  }
+  /// `vertices` must hold those taken and none else but such as nothing needs: their pages are not stored.
+  [[nodiscard]] RestrictedQuadtree quadtree(GridRect region, VertexMask vertices);
+
+ private:
+  struct OfPage {
+    std::vector<GridPoint> at;
+    std::vector<double> heights;
+    std::vector<std::uint8_t> covers;  ///< empty: all 15
+  };
+
+  const StoredPages& pages_;
+  KeptHeights kept_;
+  std::vector<OfPage> pages_found_;
+};
+
+/// No sample under a surface without these vertices is farther from it.
+///
+/// tolerance_m  what the absent ones were held against; infinite where it varied
+[[nodiscard]] Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m);
+
+}  // namespace talus

@@ -1,0 +1,24 @@
+#pragma once
+// Lengths on the ground of lines that are straight in CRS coordinates.
+
+#include "talus/description.hpp"
+
+namespace talus {
+
+class Ground {
+ public:
+  /// No CRS, or one that is not understood: coordinates are metres.
+  explicit Ground(const std::string& crs_wkt);
+
+  /// Of the straight line between two positions. In degrees: along that line over the CRS's ellipsoid, which is no
+  /// geodesic; a latitude beyond a pole counts as the pole.
+  [[nodiscard]] double metres(Position from, Position to) const;
+
+ private:
+  double metres_per_unit_ = 1;    ///< of a projected CRS
+  double radians_per_unit_ = 0;   ///< of a geographic one; else 0
+  double equatorial_radius_ = 0;  ///< metres
+  double eccentricity2_ = 0;
+};
+
+}  // namespace talus

@@ -1,0 +1,208 @@
+#include "query/selection.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <optional>
+#include <unordered_set>
+
+#include "engine/border.hpp"
+#include "engine/construction.hpp"
+#include "query/cover.hpp"
+#include "query/found.hpp"
+#include "query/page_walk.hpp"
+
+namespace talus {
+namespace {
+
+GridRect cut(GridRect a, GridRect b) {
+  return {{std::max(a.first.col, b.first.col), std::max(a.first.row, b.first.row)},
+          {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
+}
+
+/// What lies within `reach` cells of a rectangle.
+GridRect around(GridRect r, std::int32_t reach) {
+  return {{r.first.col - reach, r.first.row - reach}, {r.last.col + reach, r.last.row + reach}};
+}
+
+class Selection {
+ public:
+  Selection(const StoredPages& pages, const Question& question)
+      : pages_(pages),
+        question_(question),
+        extent_(pages.manifest().description.extent),
+        root_(root_side(extent_)),
+        kept_above_(pages.manifest().description.kept_above()),
+        lossy_(pages.manifest().description.lossy_metres),
+        above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
+        finest_height_(std::max(0, finest_level(extent_) - question.max_level)),
+        cost_(pages.cost_of_header()),
+        walk_(pages, cost_),
+        found_(pages, cost_),
+        marked_(static_cast<std::size_t>(pages.manifest().bands)) {}
+
+  Answer run() {
+    const auto started = std::chrono::steady_clock::now();
+    choose_forced();
+    for (const PageId top : pages_of_band(pages_.manifest().bands - 1, extent_)) choose(top);
+    for (const GridPoint p : question_.points) vertices_.insert(p);
+    // A tolerance above all errors of one level selects a closed set; these may not.
+    if (question_.field || !question_.points.empty()) close_bottom_up(vertices_, root_);
+    mark_pages();
+    for (const PageId top : pages_of_band(pages_.manifest().bands - 1, extent_)) gather(top);
+    Answer answer;
+    answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
+    answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
+    answer.quadtree.bound = bound_of(pages_, absent_, largest_tolerance());
+    answer.border_vertices = forced_alone_;
+    answer.cost = cost_;
+    answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    return answer;
+  }
+
+ private:
+  [[nodiscard]] double largest_tolerance() const {
+    const bool by_tolerance = !question_.field && finest_height_ == 0;
+    return by_tolerance ? std::max(kept_above_, question_.tolerance.value - lossy_) : std::numeric_limits<double>::infinity();
+  }
+
+  void choose_forced() {
+    std::vector<GridPoint> needed;
+    GridRect window = question_.region;
+    if (question_.border == Border::constrain) {
+      needed = border_vertices(question_.region, root_);
+    } else {
+      const ExtentBorder& border = pages_.extent_border();
+      VerticesAround outside = vertices_around(question_.region, extent_, finest_height_, above_, border, walk_);
+      for (const GridPoint p : outside.corners) {
+        window = {{std::min(window.first.col, p.col), std::min(window.first.row, p.row)},
+                  {std::max(window.last.col, p.col), std::max(window.last.row, p.row)}};
+      }
+      needed = std::move(outside.corners);
+      for (const GridPoint p : outside.splits) {
+        if (window.contains(p)) needed.push_back(p);
+      }
+      for (const GridPoint p : border.vertices()) {
+        if (question_.region.contains(p)) needed.push_back(p);
+      }
+    }
+    vertices_ = VertexMask(window);
+    for (const GridPoint p : needed) {
+      if (vertices_.contains(p)) continue;
+      vertices_.insert(p);
+      ++forced_alone_;
+    }
+  }
+
+  /// Whether a page, or one below it, may hold a vertex that is selected.
+  [[nodiscard]] bool is_worth_reading(PageId id, const ChildEntry& entry) const {
+    if (!entry.present || !overlap(page_square(id), question_.region)) return false;
+    if (!question_.field) return above_(entry.largest);
+    // A vertex counts its whole diamond; in this page and below it none reaches farther than this.
+    const GridRect square = around(cut(page_square(id), question_.region), band_spacing(id.band + 1));
+    return error_of(entry.largest) > limit_in(square);
+  }
+  [[nodiscard]] double limit_in(GridRect rect) const {
+    return std::max(kept_above_, question_.field->least(cut(rect, extent_)) - lossy_);
+  }
+  [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
+    if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;
+    if (!question_.field) return above_(page, i);
+    const double error = page.is_implied(i) ? pages_.distance().metres(page.implied_distance(i)) : error_of(page.errors[i]);
+    return error > kept_above_ && error > limit_in(around({p, p}, spacing(p)));
+  }
+
+  /// The samples of a page in the region, by page-relative column and row.
+  template <class Visit>
+  void for_each_own(const Page& page, GridRect in, Visit&& visit) const {
+    const PageGrid& grid = page.grid;
+    const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
+    const auto first_unit = [&](std::int32_t v) { return static_cast<std::int32_t>((v + ceil) >> grid.shift); };
+    const std::int32_t first_col = std::max(first_unit(in.first.col) - grid.first.col, 0);
+    const std::int32_t first_row = std::max(first_unit(in.first.row) - grid.first.row, 0);
+    const std::int32_t last_col = std::min((in.last.col >> grid.shift) - grid.first.col, grid.cols - 1);
+    const std::int32_t last_row = std::min((in.last.row >> grid.shift) - grid.first.row, grid.rows - 1);
+    for (std::int32_t row = first_row; row <= last_row; ++row) {
+      for (std::int32_t col = first_col; col <= last_col; ++col) {
+        if (page.is_own(grid.at(col, row))) visit(col, row);
+      }
+    }
+  }
+
+  void choose(PageId id) {
+    if (!overlap(page_square(id), question_.region)) return;
+    const std::shared_ptr<const Page> page = walk_.find(id);
+    if (page == nullptr) return;
+    for_each_own(*page, question_.region, [&](std::int32_t col, std::int32_t row) {
+      const GridPoint p = page->grid.at(col, row);
+      const std::size_t i = page->index(col, row);
+      if (is_selected(*page, i, p)) {
+        if (vertices_.contains(p)) --forced_alone_;
+        vertices_.insert(p);
+      } else if (!vertices_.contains(p)) {
+        absent_.take(*page, i);
+      }
+    });
+    for (std::size_t i = 0; i < page->children.size(); ++i) {
+      const PageId child = child_page(id, i);
+      const ChildEntry& entry = page->children[i];
+      if (is_worth_reading(child, entry) && is_fine_enough(child)) {
+        choose(child);
+      } else if (entry.present && overlap(page_square(child), question_.region)) {
+        absent_.code = std::max(absent_.code, entry.largest);
+      }
+    }
+  }
+  /// Holds a level that may be selected.
+  [[nodiscard]] bool is_fine_enough(PageId id) const { return band_shift(id.band + 1) > finest_height_; }
+
+  /// Pages of the chosen vertices, and all above them.
+  void mark_pages() {
+    const int bands = pages_.manifest().bands;
+    std::vector<PageId> last(static_cast<std::size_t>(bands), PageId{-1, 0, 0});
+    const auto mark = [&](GridPoint p) {
+      PageId id = page_of(p, band_of(p, bands));
+      for (; id.band < bands; id = parent_page(id)) {
+        if (last[static_cast<std::size_t>(id.band)] == id) return;
+        last[static_cast<std::size_t>(id.band)] = id;
+        marked_[static_cast<std::size_t>(id.band)].insert(curve_position(id));
+      }
+    };
+    vertices_.for_each(mark);
+  }
+
+  void gather(PageId id) {
+    if (!marked_[static_cast<std::size_t>(id.band)].contains(curve_position(id))) return;
+    const std::shared_ptr<const Page> page = walk_.find(id);
+    if (page == nullptr) return;
+    found_.begin_page();
+    for_each_own(*page, vertices_.region(), [&](std::int32_t col, std::int32_t row) {
+      if (vertices_.contains(page->grid.at(col, row))) found_.take(*page, col, row);
+    });
+    for (std::size_t i = 0; i < page->children.size(); ++i) {
+      if (page->children[i].present) gather(child_page(id, i));
+    }
+  }
+
+  const StoredPages& pages_;
+  const Question& question_;
+  GridRect extent_;
+  std::int32_t root_;
+  double kept_above_;  ///< metres
+  double lossy_;       ///< how far stored heights may lie from the source's
+  Above above_;
+  int finest_height_;  ///< log2 of the smallest spacing that max_level allows
+  QueryCost cost_;
+  PageWalk walk_;
+  FoundVertices found_;
+  VertexMask vertices_;
+  std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
+  LargestAbsent absent_;
+  std::vector<std::unordered_set<std::uint64_t>> marked_;  ///< by band, positions on the curve
+};
+
+}  // namespace
+
+Answer select_and_gather(const StoredPages& pages, const Question& question) { return Selection(pages, question).run(); }
+
+}  // namespace talus
