@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/increment.hpp"
 #include "query/question.hpp"
 #include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
+#include "query/vertex_errors.hpp"
 
 namespace talus {
 
@@ -88,12 +90,24 @@ GridRect Snapshot::region(const Rectangle& r) const {
 
 Answer Snapshot::range(GridRect region, Metres tolerance) const { return range_query(view_->pages, region, tolerance); }
 
+Increment Snapshot::increment(GridRect region, Metres from, Metres to) const {
+  return increment_query(view_->pages, region, from, to);
+}
+
+std::vector<double> Snapshot::errors(const RestrictedQuadtree& answer) const {
+  return vertex_errors(view_->pages, answer);
+}
+
+Identity Snapshot::identity() const { return view_->pages.identity(); }
+
 Answer Snapshot::ask(const Question& question) const {
   require_sense(view_->pages, question);
   const bool is_plain = question.border == Border::constrain && !question.field && question.points.empty() &&
                         question.max_level >= finest_level(description().extent);
-  return is_plain ? range_query(view_->pages, question.region, question.tolerance)
-                  : select_and_gather(view_->pages, question);
+  if (is_plain) return range_query(view_->pages, question.region, question.tolerance);
+  Answer answer = select_and_gather(view_->pages, question);
+  answer.quadtree.origin = {view_->pages.identity(), question.border, false};
+  return answer;
 }
 
 Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(description().extent, tolerance).quadtree); }
