@@ -23,11 +23,11 @@ std::optional<double> number(std::string_view word) {
 
 }  // namespace
 
-Metres parse_tolerance(const std::string& word) {
+Metres parse_tolerance(const std::string& word, const char* option) {
   const std::optional<double> value = number(word);
   if (!value || *value < 0) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("--tolerance takes metres, 0 or more, or inf; \"{}\" is not that", word));
+                  fmt::format("{} takes metres, 0 or more, or inf; \"{}\" is not that", option, word));
   }
   return Metres{std::abs(*value)};  // -0 is 0
 }
@@ -117,7 +117,7 @@ std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
   std::vector<std::string> joined;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--void-weight";
+    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--from" || word == "--void-weight";
     if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
         arguments[i + 1][1] != '-') {
       joined.push_back(word + "=" + arguments[++i]);

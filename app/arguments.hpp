@@ -11,7 +11,7 @@
 namespace talus::app {
 
 /// Metres from 0 to "inf". Fails with invalid_argument, naming option and value.
-[[nodiscard]] Metres parse_tolerance(const std::string& word);
+[[nodiscard]] Metres parse_tolerance(const std::string& word, const char* option = "--tolerance");
 /// "XMIN,YMIN,XMAX,YMAX", four finite numbers; which is larger is the query's business.
 [[nodiscard]] Rectangle parse_bbox(const std::string& word);
 /// A number of at least 0, finite.

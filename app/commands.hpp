@@ -15,6 +15,8 @@ using Action = std::function<Exit()>;
 void add_ingest(CLI::App& program, Action& action);
 void add_info(CLI::App& program, Action& action);
 void add_query(CLI::App& program, Action& action);
+void add_merge(CLI::App& program, Action& action);
+void add_convert(CLI::App& program, Action& action);
 void add_verify(CLI::App& program, Action& action);
 
 }  // namespace talus::app

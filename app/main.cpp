@@ -56,6 +56,8 @@ Exit run(std::vector<std::string> arguments) {
   add_ingest(program, action);
   add_info(program, action);
   add_query(program, action);
+  add_merge(program, action);
+  add_convert(program, action);
   add_verify(program, action);
 
   const std::string first = arguments.empty() ? "" : arguments.front();
@@ -68,7 +70,7 @@ Exit run(std::vector<std::string> arguments) {
     return std::fflush(stdout) == 0 ? Exit::done : complain("cannot write to standard output", Exit::failed);
   } catch (const CLI::ParseError& error) {
     if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
-      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query and verify", first),
+      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query, merge, convert and verify", first),
                       Exit::usage);
     }
     return complain(fmt::format("{} (talus --help says more)", error.what()), Exit::usage);

@@ -10,22 +10,22 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
+#include "app/increment.hpp"
+#include "app/outputs.hpp"
 #include "app/report.hpp"
-#include "query/export/writers.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, tolerance, bbox;
+  std::string database, tolerance, from, bbox;
   std::vector<std::string> outputs;
   bool json = false;
 };
 
 void check_output(const std::string& output, const std::string& database) {
-  check_mesh_file(output);
+  check_outputs({output});
   std::error_code ignored;
   if (std::filesystem::equivalent(output, database, ignored)) {
     throw Failure(
@@ -48,6 +48,7 @@ std::string why_coarser(const Description& d, Metres tolerance) {
 
 Exit run(const Request& request) {
   const Metres tolerance = parse_tolerance(request.tolerance);
+  if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
   for (const std::string& output : request.outputs) check_output(output, request.database);
@@ -56,14 +57,13 @@ Exit run(const Request& request) {
   const Description& description = now.description();
   const auto start = std::chrono::steady_clock::now();
   const GridRect region = rectangle ? now.region(*rectangle) : description.extent;
+  if (!request.from.empty())
+    return write_increment(now, region, parse_tolerance(request.from, "--from"), tolerance, request.outputs, request.json);
   const Answer answer = now.range(region, tolerance);
   const Mesh mesh = triangulate(answer.quadtree);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  for (const std::string& output : request.outputs) {
-    const HoldInterrupts whole_file_or_none;
-    write_mesh(mesh, description, output);
-  }
+  write_outputs(answer.quadtree, mesh, description, request.outputs);
 
   if (request.json) {
     print(Json{{"region", bounds(description, mesh.region)},
@@ -102,11 +102,14 @@ void add_query(CLI::App& program, Action& action) {
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")
       ->option_text("M REQUIRED")
       ->required();
+  command->add_option("--from", request->from, "What an answer at this tolerance lacks, as an increment for merge")
+      ->option_text("M");
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
   command
       ->add_option("-o,--output", request->outputs,
                    "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
-                   "picture). Repeat it for more than one; an existing file is replaced")
+                   "picture), or .rqt: the quadtree itself, for merge and convert. Repeat it for more\n"
+                   "than one; an existing file is replaced")
       ->option_text("OUT ...")
       ->check(is_named)
       ->type_size(1)
