@@ -17,6 +17,8 @@ void add_info(CLI::App& program, Action& action);
 void add_query(CLI::App& program, Action& action);
 void add_height(CLI::App& program, Action& action);
 void add_profile(CLI::App& program, Action& action);
+void add_merge(CLI::App& program, Action& action);
+void add_convert(CLI::App& program, Action& action);
 void add_verify(CLI::App& program, Action& action);
 
 }  // namespace talus::app

@@ -10,16 +10,16 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
-#include "app/interrupt.hpp"
+#include "app/increment.hpp"
+#include "app/outputs.hpp"
 #include "app/report.hpp"
-#include "query/export/writers.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, tolerance, bbox, border = "constrain", focus;
+  std::string database, tolerance, from, bbox, border = "constrain", focus;
   std::int32_t snap = 1;
   int max_level = -1;
   Budget budget;
@@ -28,7 +28,7 @@ struct Request {
 };
 
 void check_output(const std::string& output, const std::string& database) {
-  check_mesh_file(output);
+  check_outputs({output});
   std::error_code ignored;
   if (std::filesystem::equivalent(output, database, ignored)) {
     throw Failure(
@@ -71,6 +71,21 @@ Question question_of(const Request& request, const Snapshot& now, const std::opt
   return question;
 }
 
+/// An .rqt file says one tolerance and one region, from which its reader knows the border.
+void require_plain_for_streams(const Request& request) {
+  const bool is_plain = request.border == "constrain" && request.focus.empty() && request.max_level < 0;
+  for (const std::string& output : request.outputs) {
+    if (is_plain || std::filesystem::path(output).extension() != ".rqt") continue;
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--output {}: an .rqt file holds an answer of one tolerance with a constrained border, without "
+                              "--border, --focus and --max-level",
+                              output));
+  }
+  if (is_plain || request.from.empty()) return;
+  throw Failure(Cause::invalid_argument, "--from goes on from an answer of one tolerance with a constrained border, without "
+                                         "--border, --focus and --max-level");
+}
+
 Exit run(const Request& request) {
   const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
   if (request.tolerance.empty() != has_budget)
@@ -79,6 +94,8 @@ Exit run(const Request& request) {
   if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
   static_cast<void>(parse_border(request.border));
+  if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
+  require_plain_for_streams(request);
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
   for (const std::string& output : request.outputs) check_output(output, request.database);
@@ -88,15 +105,16 @@ Exit run(const Request& request) {
   const auto start = std::chrono::steady_clock::now();
   const Question question = question_of(request, now, rectangle);
   const Metres tolerance = question.tolerance;
+  if (!request.from.empty()) {
+    return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, request.outputs,
+                           request.json);
+  }
   const Answer answer = now.ask(question);
   Mesh mesh = triangulate(answer.quadtree);
   if (question.border == Border::clip && rectangle) mesh = clip_mesh(mesh, now.frame(*rectangle));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  for (const std::string& output : request.outputs) {
-    const HoldInterrupts whole_file_or_none;
-    write_mesh(mesh, description, output);
-  }
+  write_outputs(answer.quadtree, mesh, description, request.outputs);
 
   if (request.json) {
     print(Json{{"region", bounds(description, mesh.region)},
@@ -136,6 +154,8 @@ void add_query(CLI::App& program, Action& action) {
   command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")
       ->option_text("M");
+  command->add_option("--from", request->from, "What an answer at this tolerance lacks, as an increment for merge")
+      ->option_text("M");
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
   command
       ->add_option("--border", request->border,
@@ -156,7 +176,8 @@ void add_query(CLI::App& program, Action& action) {
   command
       ->add_option("-o,--output", request->outputs,
                    "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
-                   "picture). Repeat it for more than one; an existing file is replaced")
+                   "picture), or .rqt: the quadtree itself, for merge and convert. Repeat it for more\n"
+                   "than one; an existing file is replaced")
       ->option_text("OUT ...")
       ->check(is_named)
       ->type_size(1)

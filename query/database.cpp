@@ -9,9 +9,11 @@
 #include "query/budget.hpp"
 #include "query/heights.hpp"
 #include "query/profile.hpp"
+#include "query/increment.hpp"
 #include "query/question.hpp"
 #include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
+#include "query/vertex_errors.hpp"
 
 namespace talus {
 
@@ -104,12 +106,24 @@ Frame Snapshot::frame(const Rectangle& r) const {
   return {col(r.xmin), row(r.ymax), col(r.xmax), row(r.ymin)};
 }
 
+Increment Snapshot::increment(GridRect region, Metres from, Metres to) const {
+  return increment_query(view_->pages, region, from, to);
+}
+
+std::vector<double> Snapshot::errors(const RestrictedQuadtree& answer) const {
+  return vertex_errors(view_->pages, answer);
+}
+
+Identity Snapshot::identity() const { return view_->pages.identity(); }
+
 Answer Snapshot::ask(const Question& question) const {
   require_sense(view_->pages, question);
   const bool is_plain = question.border == Border::constrain && !question.field && question.points.empty() &&
                         question.max_level >= finest_level(description().extent);
-  return is_plain ? range_query(view_->pages, question.region, question.tolerance)
-                  : select_and_gather(view_->pages, question);
+  if (is_plain) return range_query(view_->pages, question.region, question.tolerance);
+  Answer answer = select_and_gather(view_->pages, question);
+  answer.quadtree.origin = {view_->pages.identity(), question.border, false};
+  return answer;
 }
 
 Metres Snapshot::tolerance_for(GridRect region, const Budget& budget) const {

@@ -1,6 +1,7 @@
 #include "query/found.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 namespace talus {
@@ -65,6 +66,18 @@ RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices)
   }
   answer.vertices = std::move(vertices);
   return answer;
+}
+
+LargestByLevel::LargestByLevel(GridRect extent)
+    : levels_(static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(root_side(extent)))) + 1) {}
+
+std::vector<double> LargestByLevel::metres(const StoredPages& pages) const {
+  std::vector<double> metres;
+  for (const LargestAbsent& level : levels_) {
+    const bool is_empty = level.code == 0 && level.distance < 0;
+    metres.push_back(is_empty ? 0 : bound_of(pages, level, std::numeric_limits<double>::infinity()).value);
+  }
+  return metres;
 }
 
 Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {

@@ -1,6 +1,7 @@
 #pragma once
 // The selected vertices of pages on their way into an answer.
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -45,6 +46,20 @@ struct LargestAbsent {
       code = std::max(code, page.errors[i]);
     }
   }
+};
+
+/// RestrictedQuadtree::level_errors in the making.
+class LargestByLevel {
+ public:
+  explicit LargestByLevel(GridRect extent);
+  void take(const Page& page, std::size_t i, GridPoint p) {
+    LargestAbsent& level = levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)];
+    level.take(page, i);
+  }
+  [[nodiscard]] std::vector<double> metres(const StoredPages& pages) const;
+
+ private:
+  std::vector<LargestAbsent> levels_;  ///< none of them absent; by log2 of the spacing
 };
 
 /// Collects vertices page by page, then makes a quadtree of them.

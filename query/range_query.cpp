@@ -23,6 +23,7 @@ class RangeQuery {
         tolerance_(std::max(manifest_.description.kept_above(), tolerance.value - lossy_)),
         above_(tolerance_, pages.distance()),
         vertices_(region),
+        levels_(manifest_.description.extent),
         cost_(pages.cost_of_header()),
         found_(pages, cost_) {}
 
@@ -38,6 +39,8 @@ class RangeQuery {
     answer.quadtree = found_.quadtree(region_, std::move(vertices_));
     answer.quadtree.tolerance = Metres{asked_};
     answer.quadtree.bound = bound_of(pages_, absent_, tolerance_);
+    answer.quadtree.level_errors = levels_.metres(pages_);
+    answer.quadtree.origin = {pages_.identity(), Border::constrain, true};
     answer.cost = cost_;
     answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     return answer;
@@ -66,11 +69,11 @@ class RangeQuery {
       const PageId child = child_page(id, i);
       const ChildEntry& entry = children[i];
       if (!entry.present || !overlap(page_square(child), region_)) continue;
-      if (above_(entry.largest) || is_forced(child)) {
-        visit(child, entry.generation);
-      } else {
-        absent_.code = std::max(absent_.code, entry.largest);
-      }
+      // A page with nothing above the tolerance counts in the bound as its entry says, though the border may need it and more
+      // be known then: so increments, which do not read it, have the same bound.
+      const bool wanted = above_(entry.largest);
+      if (!wanted) absent_.code = std::max(absent_.code, entry.largest);
+      if (wanted || is_forced(child)) visit(child, entry.generation);
     }
   }
 
@@ -99,7 +102,7 @@ class RangeQuery {
           const auto distance = distance_of(i);
           const bool above = distance > largest_within || code > threshold;
           if (above || (forced && page.is_own(grid.at(col, row)) && vertices_.contains(grid.at(col, row)))) {
-            take(page, col, row, above && forced);
+            take(page, col, row, above, forced);
           } else {
             absent_code = std::max(absent_code, code);
             largest_absent = std::max(largest_absent, distance);
@@ -120,10 +123,14 @@ class RangeQuery {
     absent_.distance = std::max(absent_.distance, absent);
   }
 
-  void take(const Page& page, std::int32_t col, std::int32_t row, bool may_be_forced) {
+  void take(const Page& page, std::int32_t col, std::int32_t row, bool above, bool may_be_forced) {
     const GridPoint p = page.grid.at(col, row);
-    if (may_be_forced && vertices_.contains(p)) --forced_alone_;
-    vertices_.insert(p);
+    if (!may_be_forced || !vertices_.contains(p)) {
+      levels_.take(page, page.index(col, row), p);
+      vertices_.insert(p);
+    } else if (above) {
+      --forced_alone_;
+    }
     found_.take(page, col, row);
   }
 
@@ -138,6 +145,7 @@ class RangeQuery {
   std::set<PageKeyPair> forced_pages_;
   PageDecoder decoder_;
   LargestAbsent absent_;
+  LargestByLevel levels_;
   std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
   QueryCost cost_;
   FoundVertices found_;

@@ -1,8 +1,10 @@
 #include "query/stored_pages.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,7 +16,24 @@ namespace talus {
 struct StoredPages::Lazy {
   std::once_flag once;
   std::optional<ExtentBorder> border;
+  std::once_flag identity_once;
+  Identity identity;
 };
+
+// The manifest alone would not do: two rasters may share all that it says. The file's seal would be another where the same
+// pages lie elsewhere in the file, and stands at a path that may be another file's by now.
+Identity StoredPages::identity() const {
+  std::call_once(lazy_->identity_once, [&] {
+    std::vector<std::byte> said;
+    for (const std::uint64_t position : {kManifestPosition, kProvenancePosition}) {
+      if (const auto page = txn_.find({kHeaderTable, position}))
+        said.insert(said.end(), page->content.begin(), page->content.end());
+    }
+    const std::uint64_t digest = page_checksum({kHeaderTable, kManifestPosition}, manifest_.generation, said);
+    lazy_->identity = {std::max<std::uint64_t>(digest, 1), manifest_.generation};
+  });
+  return lazy_->identity;
+}
 
 const ExtentBorder& StoredPages::extent_border() const {
   std::call_once(lazy_->once, [&] { lazy_->border.emplace(manifest_.description.extent); });

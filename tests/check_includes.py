@@ -16,7 +16,7 @@ FOLDERS = ["include", "engine", "storage", "query", "ingest", "app"]
 # the words (units, failure, description, quadtree) but not the verbs; query and ingest do not know each other.
 OURS = {
     "include/talus": r"talus/",
-    "engine": r"engine/|talus/(units|failure|description|quadtree)\.hpp",
+    "engine": r"engine/|talus/(units|failure|description|quadtree|increment|progression|stream)\.hpp",
     "storage": r"storage/|talus/(units|failure)\.hpp",
     "query": r"(query|engine|storage)/|talus/(?!ingest\.hpp|talus\.hpp)",
     "query/bindings": r"(query|ingest)/|talus/",
@@ -29,7 +29,7 @@ GDAL = r"(gdal|ogr|cpl|vrt)[a-z0-9_]*\.h"
 THEIRS = [
     ("GDAL", GDAL, r"ingest/|query/(ground\.|(export|bindings/gdal)/)", "ingest/, query/export/ and query/ground"),
     ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
-    ("xxHash", r"xxh(ash|3)\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
+    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream_codec)\.cpp$", "storage/*.cpp and engine/stream_codec.cpp"),
     ("GeographicLib", r"GeographicLib/", r"engine/geodesy\.", "engine/geodesy"),
     ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
     ("JSON", r"nlohmann/", r"(engine|app)/", "engine/ and app/"),

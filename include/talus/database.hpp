@@ -10,20 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "talus/cost.hpp"
 #include "talus/description.hpp"
 #include "talus/failure.hpp"
+#include "talus/increment.hpp"
 #include "talus/quadtree.hpp"
 #include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
-
-/// What an answer cost. Bytes are those of all page values fetched, header and coarse pages included.
-struct QueryCost {
-  std::uint64_t pages_read = 0, bytes_read = 0;
-  double seconds = 0;
-  std::uint64_t pages_cached = 0;  ///< found decoded, and neither read nor counted as read
-};
 
 struct Answer {
   RestrictedQuadtree quadtree;
@@ -118,6 +113,22 @@ class Snapshot {
   /// fails  invalid_argument: region as in range; a budget that the border alone exceeds, naming what it needs
   /// cost   pages with errors above the result, the border's pages
   [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget) const;
+
+  /// What an answer at `from` lacks of the one at `to`, see Increment and merge. In a database that keeps the vertices of a
+  /// tolerance only, answers at that tolerance and below have the same vertices: between two of them it is empty.
+  ///
+  /// fails  invalid_argument: as range; `to` not below `from`. corrupt for a damaged page
+  /// cost   pages that hold something above `to`, and their ancestors; what the border needs is not read
+  [[nodiscard]] Increment increment(GridRect region, Metres from, Metres to) const;
+
+  /// The saturated errors of an answer's vertices, by rank, in metres; infinity for root corners. For Progression.
+  ///
+  /// fails  invalid_argument: vertices outside the extent; corrupt for a damaged page, or a vertex without one
+  /// cost   the pages with these vertices
+  [[nodiscard]] std::vector<double> errors(const RestrictedQuadtree& answer) const;
+
+  /// Of this state of the database.
+  [[nodiscard]] Identity identity() const;
 
   /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
   [[nodiscard]] Mesh mesh(Metres tolerance) const;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
@@ -75,6 +76,23 @@ class VertexMask {
   std::vector<std::uint32_t> before_;
 };
 
+/// Which database, and which state of it. Two files with one identity were made of the same inputs with the same options, so
+/// that they give the same answers.
+struct Identity {
+  std::uint64_t content = 0;     ///< XXH3 over manifest and provenance, which hold the inputs' checksums; 0: not known
+  std::uint32_t generation = 0;  ///< updates so far
+  friend bool operator==(const Identity&, const Identity&) = default;
+};
+
+/// Where an answer comes from, and how its vertices were chosen.
+struct Origin {
+  Identity identity;
+  Border border = Border::constrain;
+  /// By a constrained border and one tolerance, and nothing else: what increments go on from.
+  bool is_plain = false;
+  friend bool operator==(const Origin&, const Origin&) = default;
+};
+
 /// A set of vertices closed under the dependency graph. It needs no stored topology: its
 /// triangulation is unique and conforming. [P98 §3]
 struct RestrictedQuadtree {
@@ -88,6 +106,11 @@ struct RestrictedQuadtree {
   Metres tolerance;  ///< as asked
   Metres bound;      ///< no valid sample under the surface is farther from it; at most `tolerance`
                      ///< plus, where heights are no binary fractions, a nanometre of rounding
+  Origin origin;
+  /// By log2 of the spacing, to that of the root square's side, which stands for root corners too: the largest error, in
+  /// metres, of these vertices save those that the border needs; 0 where there is none. Without the levels finer than one, no
+  /// sample under the surface is farther from it than the largest of theirs and `bound`. Empty: not known.
+  std::vector<double> level_errors;
 };
 
 /// A place on the grid that need not be a sample.

@@ -29,7 +29,7 @@ const Format& format_of(const std::filesystem::path& file) {
     if (format.ending == ending) return format;
   }
   throw Failure(Cause::invalid_argument,
-                fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj or .png", file.string()));
+                fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .png or .rqt", file.string()));
 }
 
 // A mesh may come from anywhere; the writers index by it.
@@ -54,6 +54,10 @@ void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
 
 void check_mesh_file(const std::filesystem::path& file) {
   static_cast<void>(format_of(file));
+  check_folder(file);
+}
+
+void check_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) {

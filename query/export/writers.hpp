@@ -10,6 +10,8 @@ namespace talus {
 /// Fails with invalid_argument for an ending write_mesh does not know, and where the folder is missing:
 /// what write_mesh would find out only after the work.
 void check_mesh_file(const std::filesystem::path& file);
+/// Of these the folder, whatever the ending.
+void check_folder(const std::filesystem::path& file);
 
 /// Binary little endian; `double x y z` in CRS units and the vertical unit, `list uchar int
 /// vertex_indices`. Fails with unsupported beyond 2³¹ − 1 vertices.

@@ -1,0 +1,51 @@
+#include "app/increment.hpp"
+
+#include <fmt/format.h>
+
+#include "app/interrupt.hpp"
+#include "app/report.hpp"
+#include "talus/stream.hpp"
+
+namespace talus::app {
+
+Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, const std::vector<std::string>& outputs,
+                     bool json) {
+  for (const std::string& output : outputs) {
+    if (is_stream_file(output)) continue;
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--from asks for an increment, which has no mesh: --output {} must end in .rqt", output));
+  }
+  const Description& description = now.description();
+  const Increment increment = now.increment(region, from, to);
+  for (const std::string& output : outputs) {
+    const HoldInterrupts whole_file_or_none;
+    write_stream({description, increment}, output);
+  }
+  const RestrictedQuadtree& added = increment.added;
+  if (json) {
+    print(Json{{"region", bounds(description, region)},
+               {"from", from.value},
+               {"tolerance", to.value},
+               {"bound", added.bound.value},
+               {"vertices", added.vertices.size()},
+               {"pages_read", increment.cost.pages_read},
+               {"bytes_read", increment.cost.bytes_read},
+               {"seconds", increment.cost.seconds},
+               {"output", outputs}});
+    return Exit::done;
+  }
+  Table table;
+  table.add("region", bounds_text(description, region));
+  table.add("from", metres(from.value));
+  table.add("tolerance", metres(to.value));
+  table.add("bound", metres(added.bound.value));
+  table.add("added", fmt::format("{} vertices", counted(added.vertices.size())));
+  table.add("read", fmt::format("{} pages, the header's among them, {}", counted(increment.cost.pages_read),
+                                sized(increment.cost.bytes_read)));
+  table.add("time", timed(increment.cost.seconds));
+  for (const std::string& output : outputs) table.add("output", output);
+  print(table);
+  return Exit::done;
+}
+
+}  // namespace talus::app

@@ -1,0 +1,16 @@
+#pragma once
+// `talus query --from`.
+
+#include <string>
+#include <vector>
+
+#include "app/commands.hpp"
+#include "talus/database.hpp"
+
+namespace talus::app {
+
+/// Writes what an answer at `from` lacks of one at `to`. Fails with invalid_argument where an output is no .rqt.
+Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, const std::vector<std::string>& outputs,
+                     bool json);
+
+}  // namespace talus::app

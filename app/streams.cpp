@@ -1,0 +1,128 @@
+// talus merge and talus convert: what becomes of .rqt files.
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/arguments.hpp"
+#include "app/commands.hpp"
+#include "app/outputs.hpp"
+#include "app/report.hpp"
+#include "talus/database.hpp"
+#include "talus/stream.hpp"
+
+namespace talus::app {
+namespace {
+
+struct Request {
+  std::vector<std::string> inputs, outputs;
+  bool json = false;
+};
+
+/// The mesh is made if a file or a reader wants it.
+Exit report(const RestrictedQuadtree& answer, const Description& description, const Request& request) {
+  const Mesh mesh = triangulate(answer);
+  write_outputs(answer, mesh, description, request.outputs);
+  if (request.json) {
+    print(Json{{"region", bounds(description, answer.region)},
+               {"tolerance", answer.tolerance.value},
+               {"bound", answer.bound.value},
+               {"vertices", answer.vertices.size()},
+               {"triangles", mesh.triangles.size()},
+               {"output", request.outputs}});
+    return Exit::done;
+  }
+  Table table;
+  table.add("region", bounds_text(description, answer.region));
+  table.add("tolerance", metres(answer.tolerance.value));
+  table.add("bound", metres(answer.bound.value));
+  table.add("quadtree", fmt::format("{} vertices, {} triangles", counted(answer.vertices.size()),
+                                    counted(mesh.triangles.size())));
+  for (const std::string& output : request.outputs) table.add("output", output);
+  print(table);
+  return Exit::done;
+}
+
+/// A stream that is an answer.
+RestrictedQuadtree answer_of(Stream& stream, const std::string& file) {
+  if (auto* answer = std::get_if<RestrictedQuadtree>(&stream.content)) return std::move(*answer);
+  const auto& increment = std::get<Increment>(stream.content);
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} is an increment, from {} m to {} m, and no answer: merge it into one first", file,
+                            increment.from.value, increment.added.tolerance.value));
+}
+
+Exit run_merge(const Request& request) {
+  check_outputs(request.outputs);  // an output may be an input: all are read before anything is written
+  Stream base = read_stream(request.inputs.front());
+  RestrictedQuadtree answer = answer_of(base, request.inputs.front());
+  for (std::size_t i = 1; i < request.inputs.size(); ++i) {
+    const std::string& file = request.inputs[i];
+    const Stream delta = read_stream(file);
+    const auto* increment = std::get_if<Increment>(&delta.content);
+    if (increment == nullptr)
+      throw Failure(Cause::invalid_argument, fmt::format("{} is an answer and no increment: there is nothing to merge", file));
+    try {
+      answer = merge(answer, *increment);
+    } catch (const Failure& f) {
+      throw Failure(f.cause(), fmt::format("{}: {}", file, f.what()));
+    }
+  }
+  return report(answer, base.description, request);
+}
+
+Exit run_convert(const Request& request) {
+  check_outputs(request.outputs);
+  Stream stream = read_stream(request.inputs.front());
+  return report(answer_of(stream, request.inputs.front()), stream.description, request);
+}
+
+void add_output(CLI::App* command, Request& request) {
+  command
+      ->add_option("-o,--output", request.outputs,
+                   "The ending says what: .ply, .obj, .png or .rqt. Repeat it for more than one; an existing\n"
+                   "file is replaced")
+      ->option_text("OUT ... REQUIRED")
+      ->required()
+      ->check(is_named)
+      ->type_size(1)
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_flag("--json", request.json, "Print one JSON object");
+}
+
+}  // namespace
+
+void add_merge(CLI::App& program, Action& action) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = program.add_subcommand("merge", "Make an answer finer with increments");
+  command->add_option("BASE.rqt DELTA.rqt", request->inputs, "An answer, then increments, each going on from the one before")
+      ->option_text("... REQUIRED")
+      ->required()
+      ->check(is_named);
+  add_output(command, *request);
+  command->footer(
+      "\n"
+      "The result is the answer that query gives at the last increment's tolerance, bit for bit.\n"
+      "\nExample:\n"
+      "  talus query alps.talus --tolerance 20 -o coarse.rqt\n"
+      "  talus query alps.talus --from 20 --tolerance 2 -o more.rqt\n"
+      "  talus merge coarse.rqt more.rqt -o fine.rqt");
+  command->callback([request, &action] { action = [request] { return run_merge(*request); }; });
+}
+
+void add_convert(CLI::App& program, Action& action) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = program.add_subcommand("convert", "Make a mesh file of an answer in an .rqt file");
+  command->add_option("IN.rqt", request->inputs, "An answer")->option_text("REQUIRED")->required()->expected(1)->check(is_named);
+  add_output(command, *request);
+  command->footer("\nExample:\n  talus convert fine.rqt -o fine.ply");
+  command->callback([request, &action] { action = [request] { return run_convert(*request); }; });
+}
+
+}  // namespace talus::app

@@ -1,0 +1,11 @@
+#pragma once
+// What lies between two tolerances.
+
+#include "query/stored_pages.hpp"
+
+namespace talus {
+
+/// See Snapshot::increment.
+[[nodiscard]] Increment increment_query(const StoredPages& pages, GridRect region, Metres from, Metres to);
+
+}  // namespace talus
