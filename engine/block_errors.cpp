@@ -317,6 +317,7 @@ class BlockErrors {
 
 /// Triangles that mix data and void: what they carry follows from their row and shape.
 void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
+  const BlockKernel& kernel = block_kernel();
   for (int level = 0; level < errors.levels(); ++level) {
     const auto to = errors.units(level);
     const auto holds = input.voids->units(level);
@@ -325,22 +326,16 @@ void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
       const std::uint8_t* held = &holds.at(to.first_col, row);
       const auto is_mixed = [](std::uint8_t h) { return (h & 3) == kMixed || h >> 2 == kMixed; };
       if (std::none_of(held, held + width, is_mixed)) continue;
-      ErrorCode codes[2][2];  // by parity of the column and side
-      for (const int odd : {0, 1}) {
+      ErrorCode codes[2][2];  // by parity of the place in the row, and side
+      for (const int place : {0, 1}) {
+        const GridPoint p{to.first_col + place, row};
         for (const int side : {0, 1}) {
-          const GridPoint p{(to.first_col & ~1) + odd, row};
           const bool is_vertex = ((p.col | p.row) & 1) != 0;
           const HalfDiamond t = half_diamond({p.col * (1 << level), p.row * (1 << level)}, side);
-          codes[odd][side] = is_vertex ? error_code(mixed_error(input, t)) : ErrorCode{0};
+          codes[place][side] = is_vertex ? error_code(mixed_error(input, t)) : ErrorCode{0};
         }
       }
-      ErrorCode* error = &to.at(to.first_col, row);
-      for (std::int32_t i = 0; i < width; ++i) {
-        const ErrorCode* own = codes[(to.first_col + i) & 1];
-        const ErrorCode first = (held[i] & 3) == kMixed ? own[0] : ErrorCode{0};
-        const ErrorCode second = held[i] >> 2 == kMixed ? own[1] : ErrorCode{0};
-        error[i] = std::max(error[i], std::max(first, second));
-      }
+      kernel.raise_mixed(&to.at(to.first_col, row), held, width, codes);
     }
   }
 }

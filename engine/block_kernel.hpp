@@ -103,6 +103,9 @@ struct BlockKernel {
   /// How far samples of each slab can be from another plane: `first` apart at the first slab's middle, that much more
   /// per slab to the right and down. `slack` is added.
   void (*bounds)(const SlabRanges&, float first, float right, float down, float slack, float* bounds);
+  /// Raises errors where halves are mixed, side 0 in the lower two bits of `holds`, side 1 above: by the code for the
+  /// parity of the place and the side.
+  void (*raise_mixed)(std::uint16_t* errors, const std::uint8_t* holds, int count, const std::uint16_t (&codes)[2][2]);
   /// Saturation of one row: raises those of `count` values that stand at an odd distance from the first by their four
   /// neighbours; the first and the last have none and stay.
   void (*raise_by_neighbours)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);

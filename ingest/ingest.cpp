@@ -38,7 +38,8 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
   Job job = job_of(
-      description, code_bytes(code_kind(source.description())), [&](GridRect part, GridRect own) { return source.read(part, own); }, options);
+      description, code_bytes(code_kind(source.description())), 
+      [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
   const auto left = options.resume      ? PartFile::Left::resume
                     : options.overwrite ? PartFile::Left::replace
                                         : PartFile::Left::refuse;
@@ -69,7 +70,7 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
   return estimate(job_of(description, code_bytes(code_kind(source.description())),
-                         [&](GridRect part, GridRect own) { return source.read(part, own); }, options),
+                         [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options),
                   source);
 }
 
