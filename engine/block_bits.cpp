@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "engine/kernel_choice.hpp"
+
 namespace talus {
 namespace {
 
@@ -10,26 +12,17 @@ namespace {
 template <class Code>
 BitRange bits_within(const HeightField& field, std::span<const Code> heights, GridRect part) {
   BitRange bits;
-  const auto width = static_cast<std::size_t>(part.cols());
+  if constexpr (std::is_same_v<Code, float>) {
+    const auto [lowest, highest] =
+        detail::block_kernel().bits(&heights[field.index(part.first)], field.extent.cols(),
+                                    static_cast<int>(part.cols()), static_cast<int>(part.rows()));
+    if (lowest > -127 - 23 && highest < 128) {
+      return {static_cast<std::int16_t>(lowest), static_cast<std::int16_t>(highest)};
+    }
+  }
   for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
     const Code* line = &heights[field.index({part.first.col, row})];
-    if constexpr (std::is_same_v<Code, float>) {
-      // Without a branch: a mantissa's lowest bit is a power of two, whose exponent as a float says where it stands.
-      int finest = BitRange::kNone, coarsest = -BitRange::kNone;
-      for (std::size_t i = 0; i < width; ++i) {
-        const auto word = static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(line[i]) & 0x7fffffffu);
-        const std::int32_t mantissa = (word & 0x7fffff) | 0x800000, exponent = word >> 23;
-        const std::int32_t lowest = std::bit_cast<std::int32_t>(static_cast<float>(mantissa & -mantissa)) >> 23;
-        const int low = exponent - 127 - 23 + lowest - 127, high = exponent - 127;
-        finest = std::min(finest, word == 0 ? int{BitRange::kNone} : low);
-        coarsest = std::max(coarsest, word == 0 ? -int{BitRange::kNone} : high);
-      }
-      if (finest > -127 - 23 && coarsest < 128) {
-        bits.take(BitRange{static_cast<std::int16_t>(finest), static_cast<std::int16_t>(coarsest)});
-        continue;
-      }  // a denormal among them, or no number: one by one
-    }
-    for (std::size_t i = 0; i < width; ++i) bits.take(static_cast<double>(line[i]));
+    for (std::int64_t col = 0; col < part.cols(); ++col) bits.take(static_cast<double>(line[col]));
   }
   return bits;
 }

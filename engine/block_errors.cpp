@@ -50,10 +50,9 @@ class ShortCodes {
   std::array<std::array<ErrorCode, LadderTables::kShort>, kBlockLevels> codes_{};
 };
 
-/// A block that is no plain part of the field: one that is cut by its edge, or whose numbers become 16 bits.
+/// A block that is no plain part of the field: one that is cut by its edge.
 struct OwnBlock {
   std::array<std::byte, kKernelCells * sizeof(double)> heights;
-  std::array<std::int16_t, kKernelCells> narrow;
   std::array<std::uint8_t, kKernelCells> valid;
   std::array<ErrorCode, kKernelPlane> errors;
   std::array<std::uint8_t, kKernelPlane> holds;
@@ -84,7 +83,7 @@ Workspace& workspace() {
   return memory;
 }
 
-/// One kind of block: those that can share a batch.
+/// One kind of block: those that can share a batch. `whole`: all heights are multiples of one unit.
 struct Kind {
   bool whole = false, masked = false;
 };
@@ -105,17 +104,21 @@ class BlockErrors {
   }
 
   void run(GridRect blocks) {
-    std::array<std::vector<GridPoint>, 4> kinds;
+    std::array<std::vector<GridPoint>, 2> whole, real;  // without voids and with
     for (std::int32_t row = blocks.first.row; row <= blocks.last.row; ++row) {
       for (std::int32_t col = blocks.first.col; col <= blocks.last.col; ++col) {
         const GridPoint corner{col * kBlockSide, row * kBlockSide};
         const int valid = count_valid(corner);
         if (valid == 0) continue;
-        const bool masked = valid < kSide * kSide;
-        kinds[(is_whole(corner) ? 2u : 0u) + (masked ? 1u : 0u)].push_back(corner);
+        (is_whole(corner) ? whole : real)[valid < kSide * kSide ? 1 : 0].push_back(corner);
       }
     }
-    for (std::size_t i = 0; i < kinds.size(); ++i) batches(kinds[i], {(i & 2) != 0, (i & 1) != 0});
+    for (const bool masked : {false, true}) {
+      auto& others = real[masked ? 1 : 0];
+      const auto too_wide = batches(whole[masked ? 1 : 0], {true, masked});
+      others.insert(others.end(), too_wide.begin(), too_wide.end());
+      batches(others, {false, masked});
+    }
   }
 
  private:
@@ -146,49 +149,52 @@ class BlockErrors {
     return count;
   }
 
-  /// Whether all heights of a block are whole numbers of 16 bits, less one of them.
+  [[nodiscard]] BitRange bits_of(GridPoint corner) const {
+    return (*input_.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
+  }
+
+  /// Whether all heights of a block are whole numbers, or become whole numbers of 32 bits in a unit of their own. If
+  /// they are, every interpolation between them is exact in double, too.
   [[nodiscard]] bool is_whole(GridPoint corner) const {
     if constexpr (std::is_same_v<Code, std::int16_t>) return true;
-    const BitRange bits = (*input_.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
-    if (bits.finest < 0 || bits.coarsest >= (std::is_same_v<Code, float> ? 24 : 52)) return false;
-    const auto [lowest, highest] = range(part_of_field(corner));
-    return highest - lowest <= 65000;
+    const BitRange bits = bits_of(corner);
+    if (bits.finest > bits.coarsest) return true;  // all are zero
+    return bits.coarsest - bits.finest < kUnitBits && std::abs(bits.finest) <= kMostUnitExponent;
   }
-  [[nodiscard]] std::pair<Code, Code> range(GridRect part) const {
-    Code lowest = heights_[field_.index(part.first)], highest = lowest;
-    for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-      const Code* line = &heights_[field_.index({part.first.col, row})];
-      for (std::int64_t col = 0; col < part.cols(); ++col) {
-        lowest = line[col] < lowest ? line[col] : lowest;
-        highest = line[col] > highest ? line[col] : highest;
+
+  /// Returns the blocks with which the kernel could not do.
+  std::vector<GridPoint> batches(const std::vector<GridPoint>& corners, Kind kind) {
+    const auto most = static_cast<std::size_t>(kind.whole ? kernel_.whole_lanes : kernel_.real_lanes);
+    std::vector<GridPoint> left;
+    for (std::size_t first = 0; first < corners.size(); first += most) {
+      const auto some = std::span(corners).subspan(first, std::min(most, corners.size() - first));
+      const std::uint32_t not_done = batch(some, kind);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        if ((not_done >> i & 1) != 0) left.push_back(some[i]);
       }
     }
-    return {lowest, highest};
+    return left;
   }
 
-  void batches(const std::vector<GridPoint>& corners, Kind kind) {
-    const auto most = static_cast<std::size_t>(kind.whole ? kernel_.whole_lanes : kernel_.real_lanes);
-    for (std::size_t first = 0; first < corners.size(); first += most) {
-      batch(std::span(corners).subspan(first, std::min(most, corners.size() - first)), kind);
-    }
-  }
-
-  void batch(std::span<const GridPoint> corners, Kind kind) {
+  /// Returns a bit for each block with which the kernel could not do.
+  std::uint32_t batch(std::span<const GridPoint> corners, Kind kind) {
     std::array<Lane, kMostLanes> lanes;
     for (std::size_t i = 0; i < corners.size(); ++i) lanes[i] = lane(corners[i], kind, i);
     const Batch batch{lanes.data(), static_cast<int>(corners.size()), kind.masked, memory_.kernel.get()};
     const LadderTables tables = memory_.codes->tables();
-    if (kind.whole) {
+    std::uint32_t not_done = 0;
+    if constexpr (std::is_same_v<Code, std::int16_t>) {
       kernel_.whole(batch, tables);
-    } else if constexpr (std::is_same_v<Code, float>) {
-      kernel_.floats(batch, tables);
-    } else if constexpr (std::is_same_v<Code, double>) {
-      kernel_.doubles(batch, tables);
+    } else if (kind.whole) {
+      not_done = (std::is_same_v<Code, float> ? kernel_.scaled_floats : kernel_.scaled_doubles)(batch, tables);
+    } else {
+      (std::is_same_v<Code, float> ? kernel_.floats : kernel_.doubles)(batch, tables);
     }
     for (std::size_t i = 0; i < corners.size(); ++i) {
       if (lanes[i].margin != 0) finest_side_midpoints(lanes[i]);
       if (is_cut(corners[i])) give_back(corners[i], own(i));
     }
+    return not_done;
   }
 
   [[nodiscard]] OwnBlock& own(std::size_t i) {
@@ -199,9 +205,10 @@ class BlockErrors {
   [[nodiscard]] Lane lane(GridPoint corner, Kind kind, std::size_t number) {
     Lane lane;
     lane.odd = static_cast<std::uint8_t>(((corner.col ^ corner.row) >> kBlockShift) & 1);
-    if (input_.bits != nullptr && !kind.whole) {
-      const BitRange bits = (*input_.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
+    if (input_.bits != nullptr) {
+      const BitRange bits = bits_of(corner);
       lane.margin = bits.interpolates_exactly(kBlockSide) ? 0 : kRoundingMargin;
+      if (kind.whole) lane.unit = bits.finest > bits.coarsest ? 1 : std::ldexp(1.0F, bits.finest);
     }
     if (is_cut(corner)) {
       cut_out(corner, lane, own(number));
@@ -217,9 +224,6 @@ class BlockErrors {
         lane.level_stride[level] = units.stride;
         if (kind.masked) lane.holds[level] = &holds_at(level, corner);
       }
-    }
-    if constexpr (!std::is_same_v<Code, std::int16_t>) {
-      if (kind.whole) narrow(corner, lane, own(number));
     }
     return lane;
   }
@@ -282,21 +286,6 @@ class BlockErrors {
     }
   }
 
-  /// Whole numbers less one in their middle.
-  void narrow(GridPoint corner, Lane& lane, OwnBlock& block) const {
-    const auto [lowest, highest] = range(part_of_field(corner));
-    const Code middle = static_cast<Code>(std::floor((lowest + highest) / 2));
-    const auto* from = static_cast<const Code*>(lane.heights);
-    std::int16_t* to = block.narrow.data();
-    for (int row = 0; row < kSide; ++row) {
-      for (int col = 0; col < kSide; ++col) {
-        *to++ = static_cast<std::int16_t>(static_cast<std::int32_t>(from[row * lane.stride + col] - middle));
-      }
-    }
-    lane.heights = block.narrow.data();
-    lane.stride = kSide;
-  }
-
   /// Where arithmetic rounds, the margin of a finest side midpoint depends on its own three heights.
   void finest_side_midpoints(const Lane& lane) const {
     const auto* heights = static_cast<const Code*>(lane.heights);
@@ -328,6 +317,7 @@ class BlockErrors {
 
 /// Triangles that mix data and void: what they carry follows from their row and shape.
 void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
+  const BlockKernel& kernel = block_kernel();
   for (int level = 0; level < errors.levels(); ++level) {
     const auto to = errors.units(level);
     const auto holds = input.voids->units(level);
@@ -336,22 +326,16 @@ void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
       const std::uint8_t* held = &holds.at(to.first_col, row);
       const auto is_mixed = [](std::uint8_t h) { return (h & 3) == kMixed || h >> 2 == kMixed; };
       if (std::none_of(held, held + width, is_mixed)) continue;
-      ErrorCode codes[2][2];  // by parity of the column and side
-      for (const int odd : {0, 1}) {
+      ErrorCode codes[2][2];  // by parity of the place in the row, and side
+      for (const int place : {0, 1}) {
+        const GridPoint p{to.first_col + place, row};
         for (const int side : {0, 1}) {
-          const GridPoint p{(to.first_col & ~1) + odd, row};
           const bool is_vertex = ((p.col | p.row) & 1) != 0;
           const HalfDiamond t = half_diamond({p.col * (1 << level), p.row * (1 << level)}, side);
-          codes[odd][side] = is_vertex ? error_code(mixed_error(input, t)) : ErrorCode{0};
+          codes[place][side] = is_vertex ? error_code(mixed_error(input, t)) : ErrorCode{0};
         }
       }
-      ErrorCode* error = &to.at(to.first_col, row);
-      for (std::int32_t i = 0; i < width; ++i) {
-        const ErrorCode* own = codes[(to.first_col + i) & 1];
-        const ErrorCode first = (held[i] & 3) == kMixed ? own[0] : ErrorCode{0};
-        const ErrorCode second = held[i] >> 2 == kMixed ? own[1] : ErrorCode{0};
-        error[i] = std::max(error[i], std::max(first, second));
-      }
+      kernel.raise_mixed(&to.at(to.first_col, row), held, width, codes);
     }
   }
 }

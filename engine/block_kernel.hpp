@@ -25,6 +25,7 @@ struct Lane {
   const std::uint8_t* holds[kBlockLevels] = {};
   std::ptrdiff_t level_stride[kBlockLevels] = {};
   double margin = 0;     ///< metres on top of each error; where not 0 the caller sees to finest side midpoints himself
+  float unit = 0;        ///< of `scaled_…`: a power of two of which all heights are multiples
   std::uint8_t odd = 0;  ///< 1: the block's own diagonal rises
 };
 
@@ -50,6 +51,9 @@ inline constexpr std::size_t kKernelCells = std::size_t{kBlockSamples} * kBlockS
 inline constexpr std::size_t kKernelPlane = 5718;
 inline constexpr std::size_t kKernelRealPlanes = 64 * (2 * kKernelCells + 2 * kKernelPlane);
 inline constexpr std::size_t kKernelMemory = kKernelRealPlanes + 16 * (2 * kKernelPlane) + 64 * 64;
+/// Heights go through as whole numbers of 32 bits if they are below 2 to this power in their unit, and the unit's
+/// exponent is within that of zero.
+inline constexpr int kUnitBits = 29, kMostUnitExponent = 90;
 
 /// The kBlockCells² samples a block owns, all there.
 struct OwnSamples {
@@ -68,6 +72,11 @@ struct HeightRange {
   double lowest, highest;  ///< lowest > highest: no sample counts
 };
 
+/// Exponents of the lowest and of the highest bit that floats use. Zeros use none: lowest > highest.
+struct BitsFound {
+  int lowest, highest;
+};
+
 /// What is asked of the samples of a type.
 struct ShapeKernel {
   HeightRange (*range)(const OwnSamples&);
@@ -79,15 +88,24 @@ struct ShapeKernel {
 
 struct BlockKernel {
   const char* name;
-  int whole_lanes, real_lanes;
+  int whole_lanes, real_lanes;  ///< scaled numbers take those of whole ones
   /// Raises errors by those of blocks of 16-bit whole numbers, of floats and of doubles.
   void (*whole)(const Batch&, const LadderTables&);
   void (*floats)(const Batch&, const LadderTables&);
   void (*doubles)(const Batch&, const LadderTables&);
+  /// Of floats and doubles that are multiples of their lane's unit. Returns a bit for each lane whose heights lie too
+  /// far apart for that: nothing of it was raised.
+  std::uint32_t (*scaled_floats)(const Batch&, const LadderTables&);
+  std::uint32_t (*scaled_doubles)(const Batch&, const LadderTables&);
   ShapeKernel whole_shape, floats_shape, doubles_shape;
+  /// Of a rectangle. Right if lowest > -150 and highest < 128; else there may be denormals, or what is no number.
+  BitsFound (*bits)(const float* heights, std::ptrdiff_t stride, int cols, int rows);
   /// How far samples of each slab can be from another plane: `first` apart at the first slab's middle, that much more
   /// per slab to the right and down. `slack` is added.
   void (*bounds)(const SlabRanges&, float first, float right, float down, float slack, float* bounds);
+  /// Raises errors where halves are mixed, side 0 in the lower two bits of `holds`, side 1 above: by the code for the
+  /// parity of the place and the side.
+  void (*raise_mixed)(std::uint16_t* errors, const std::uint8_t* holds, int count, const std::uint16_t (&codes)[2][2]);
   /// Saturation of one row: raises those of `count` values that stand at an odd distance from the first by their four
   /// neighbours; the first and the last have none and stay.
   void (*raise_by_neighbours)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);

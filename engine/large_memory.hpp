@@ -3,14 +3,38 @@
 // goes in (bench_engine, BM_ErrorsAndSaturation/side:4097); where the system hands out pages of 2 MiB, ask for them.
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <vector>
 
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif
 
 namespace talus {
+
+/// A wish: nothing depends on it.
+inline void ask_for_large_pages(void* memory, std::size_t bytes) {
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  constexpr std::size_t kPage = 4096;
+  auto* first = static_cast<char*>(memory);
+  const std::size_t before = (kPage - reinterpret_cast<std::uintptr_t>(first) % kPage) % kPage;
+  if (bytes > before) ::madvise(first + before, bytes - before, MADV_HUGEPAGE);
+#else
+  (void)memory, (void)bytes;
+#endif
+}
+
+/// Room in a vector for a number of values, and some more: tiles and panels inside a raster are larger than those at its
+/// corner that come first. What it held may be lost.
+template <class T, class Allocator>
+void make_room(std::vector<T, Allocator>& values, std::size_t count) {
+  if (values.capacity() >= count) return;
+  values = {};
+  values.reserve(count + count / 4);
+  ask_for_large_pages(values.data(), values.capacity() * sizeof(T));
+}
 
 template <class T>
 struct LargeAllocator {
@@ -27,9 +51,7 @@ struct LargeAllocator {
     if (large) bytes = (bytes + kHugePage - 1) & ~(kHugePage - 1);
     void* memory = large ? std::aligned_alloc(kHugePage, bytes) : std::malloc(bytes);
     if (memory == nullptr) throw std::bad_alloc();
-#if defined(__linux__) && defined(MADV_HUGEPAGE)
-    if (large) ::madvise(memory, bytes, MADV_HUGEPAGE);  // a wish: nothing depends on it
-#endif
+    if (large) ask_for_large_pages(memory, bytes);
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t) noexcept { std::free(memory); }

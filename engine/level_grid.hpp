@@ -17,16 +17,21 @@ template <class Value>
 class LevelGrid {
  public:
   /// The extent may lie anywhere, and be empty: then nothing is held.
-  LevelGrid(GridRect extent, int levels, Value initial) {
+  LevelGrid(GridRect extent, int levels, Value initial) { reset(extent, levels, initial); }
+
+  /// As if made anew, in the memory it has.
+  void reset(GridRect extent, int levels, Value initial) {
+    levels_.resize(static_cast<std::size_t>(levels));
     for (int shift = 0; shift < levels; ++shift) {
-      Level level;
+      Level& level = levels_[static_cast<std::size_t>(shift)];
       level.first_col = (extent.first.col >> shift) - kRim;
       level.first_row = (extent.first.row >> shift) - kRim;
       const bool empty = extent.cols() <= 0 || extent.rows() <= 0;
       level.cols = empty ? 0 : (extent.last.col >> shift) + kRim - level.first_col + 1;
       level.rows = empty ? 0 : (extent.last.row >> shift) + kRim - level.first_row + 1;
-      level.values.assign(static_cast<std::size_t>(level.cols) * static_cast<std::size_t>(level.rows), initial);
-      levels_.push_back(std::move(level));
+      const std::size_t count = static_cast<std::size_t>(level.cols) * static_cast<std::size_t>(level.rows);
+      make_room(level.values, count);
+      level.values.assign(count, initial);
     }
   }
 
@@ -44,20 +49,22 @@ class LevelGrid {
   [[nodiscard]] const Value& operator[](GridPoint p) const { return const_cast<LevelGrid&>(*this)[p]; }
 
   /// The vertices of one level in its own units: (col, row) stands for (col << shift, row << shift).
-  struct Units {
-    Value* values = nullptr;  ///< from (first_col, first_row), row by row
+  template <class V>
+  struct UnitsOf {
+    V* values = nullptr;  ///< from (first_col, first_row), row by row
     std::ptrdiff_t stride = 0;
     std::int32_t first_col = 0, last_col = -1, first_row = 0, last_row = -1;  ///< rim included
-    [[nodiscard]] Value& at(std::int32_t col, std::int32_t row) const {
+    [[nodiscard]] V& at(std::int32_t col, std::int32_t row) const {
       return values[(row - first_row) * stride + (col - first_col)];
     }
     [[nodiscard]] bool holds(std::int32_t col, std::int32_t row) const {
       return col >= first_col && col <= last_col && row >= first_row && row <= last_row;
     }
   };
-  [[nodiscard]] Units units(int shift) {
-    Level& l = levels_[static_cast<std::size_t>(shift)];
-    return {l.values.data(), l.cols, l.first_col, l.first_col + l.cols - 1, l.first_row, l.first_row + l.rows - 1};
+  using Units = UnitsOf<Value>;
+  [[nodiscard]] Units units(int shift) { return units_of<Value>(levels_[static_cast<std::size_t>(shift)]); }
+  [[nodiscard]] UnitsOf<const Value> units(int shift) const {
+    return units_of<const Value>(levels_[static_cast<std::size_t>(shift)]);
   }
 
   /// visit(GridPoint) for each vertex of one level, the centres or the side midpoints, rim included.
@@ -89,6 +96,10 @@ class LevelGrid {
              static_cast<std::size_t>((p.col >> shift) - first_col);
     }
   };
+  template <class V, class LevelOf>
+  static UnitsOf<V> units_of(LevelOf& l) {
+    return {l.values.data(), l.cols, l.first_col, l.first_col + l.cols - 1, l.first_row, l.first_row + l.rows - 1};
+  }
   std::vector<Level> levels_;
 };
 

@@ -87,7 +87,7 @@ struct TileErrors {
   bool all_void = false;
   /// Saturated, of the levels of spacing below kBlockSide; right for vertices of the tile's own square, those
   /// outside the extent included (use holds(): it ends a few spacings outside, beyond are none but zeros).
-  LevelGrid<ErrorCode> errors;
+  LevelGrid<ErrorCode> errors{GridRect{{0, 0}, {-1, -1}}, kTileLevels, 0};
   std::optional<VoidMap> voids;  ///< over the window, same levels; none where the window is all data
   Codes heights;                 ///< over the window, fills in place
   TileRecord record;
@@ -95,5 +95,7 @@ struct TileErrors {
 
 /// cost    linear; memory about 12 bytes a sample of the window
 [[nodiscard]] TileErrors tile_errors(const TileInput& input);
+/// The same into the memory of another tile's.
+void tile_errors(const TileInput& input, TileErrors& result);
 
 }  // namespace talus

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cstring>
 
 #include "engine/block_errors.hpp"
+#include "engine/large_memory.hpp"
 #include "engine/saturation.hpp"
 #include "engine/slab_errors.hpp"
 #include "engine/tile.hpp"
@@ -17,13 +19,16 @@ constexpr GridRect grown(GridRect r, std::int32_t by) {
   return {{r.first.col - by, r.first.row - by}, {r.last.col + by, r.last.row + by}};
 }
 
-Codes copy_of(const CodeSpan& codes) {
-  return std::visit(
-      [](auto c) {
-        using Code = std::remove_const_t<typename decltype(c)::element_type>;
-        return Codes(std::vector<Code>(c.begin(), c.end()));
+void copy(const CodeSpan& from, Codes& to) {
+  std::visit(
+      [&](auto codes) {
+        using Code = std::remove_const_t<typename decltype(codes)::element_type>;
+        if (!std::holds_alternative<std::vector<Code>>(to)) to.emplace<std::vector<Code>>();
+        auto& own = std::get<std::vector<Code>>(to);
+        make_room(own, codes.size());
+        own.assign(codes.begin(), codes.end());
       },
-      codes);
+      from);
 }
 
 // ---- vertices of spacing 64 … 512 --------------------------------------------------------------------
@@ -157,20 +162,36 @@ GridRect tile_window(TileId id, GridRect extent) {
 }
 
 TileErrors tile_errors(const TileInput& tile) {
+  TileErrors result;
+  tile_errors(tile, result);
+  return result;
+}
+
+void tile_errors(const TileInput& tile, TileErrors& result) {
   const GridRect window = tile_window(tile.id, tile.extent);
-  const bool has_voids = std::find(tile.valid.begin(), tile.valid.end(), 0) != tile.valid.end();
-  const bool has_data = tile.valid.empty() || std::find(tile.valid.begin(), tile.valid.end(), 1) != tile.valid.end();
-  if (is_empty(window) || !has_data) {
-    return {.all_void = true,
-            .errors = {GridRect{{0, 0}, {-1, -1}}, kTileLevels, 0},
-            .voids = {},
-            .heights = {},
-            .record = {}};
+  const auto holds = [&](int valid) {
+    return !tile.valid.empty() && std::memchr(tile.valid.data(), valid, tile.valid.size()) != nullptr;
+  };
+  const bool has_voids = holds(0), has_data = tile.valid.empty() || holds(1);
+  result.record = {};
+  result.all_void = is_empty(window) || !has_data;
+  if (result.all_void) {
+    result.errors.reset({{0, 0}, {-1, -1}}, kTileLevels, 0);
+    result.voids.reset();
+    std::visit([](auto& heights) { heights.clear(); }, result.heights);
+    return;
   }
   const GridRect around = grown(closed_tile(tile.id), kBlockSide);
-  TileErrors result{.errors = {window, kTileLevels, 0}, .voids = {}, .heights = copy_of(tile.heights), .record = {}};
-  if (has_voids) {
-    result.voids.emplace(window, tile.valid, kTileLevels);
+  result.errors.reset(window, kTileLevels, 0);
+  copy(tile.heights, result.heights);
+  if (!has_voids) {
+    result.voids.reset();
+  } else {
+    if (result.voids) {
+      result.voids->reset(window, tile.valid, kTileLevels);
+    } else {
+      result.voids.emplace(window, tile.valid, kTileLevels);
+    }
     fill_voids(window, tile.valid, *result.voids, around, result.heights);
   }
   ErrorInput input;
@@ -194,7 +215,6 @@ TileErrors tile_errors(const TileInput& tile) {
   const std::vector<detail::BlockShape> shapes = detail::block_shapes(input.field, blocks);
   record_blocks(tile, input, result.errors, shapes, result.record);
   FarVertices(tile, input, result.record).run(shapes, blocks);
-  return result;
 }
 
 }  // namespace talus

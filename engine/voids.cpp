@@ -170,7 +170,14 @@ class HalvesOfRows {
 }  // namespace
 
 VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int levels)
-    : extent_(extent), valid_(valid), halves_(extent, levels, 0) {
+    : halves_({{0, 0}, {-1, -1}}, 0, 0) {
+  reset(extent, valid, levels);
+}
+
+void VoidMap::reset(GridRect extent, std::span<const std::uint8_t> valid, int levels) {
+  extent_ = extent;
+  valid_ = valid;
+  halves_.reset(extent, levels, 0);
   HalvesOfRows rows(extent, valid);
   for (int shift = 0; shift < levels; ++shift) {
     rows.settle(shift, halves_.units(shift), shift == 0 ? LevelGrid<std::uint8_t>::Units{} : halves_.units(shift - 1));
@@ -192,6 +199,12 @@ Holds VoidMap::triangle(Triangle t) const {
 }
 
 std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
+  // Two of them make up each half: where both halves are all data, or all void, so are the triangles.
+  if (halves_.holds(vertex)) {
+    const std::uint8_t halves = halves_[vertex];
+    if (halves == (kData | kData << 2)) return 15;
+    if (halves == (kVoid | kVoid << 2)) return 0;
+  }
   const auto triangles = apex_triangles(vertex);
   std::uint8_t bits = 0;
   for (std::size_t i = 0; i < 4; ++i) {

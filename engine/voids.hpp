@@ -22,6 +22,8 @@ class VoidMap {
  public:
   /// Of the finest levels. Linear time, 1⅓ bytes a sample.
   VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int levels);
+  /// As if made anew, in the memory it has.
+  void reset(GridRect extent, std::span<const std::uint8_t> valid, int levels);
 
   [[nodiscard]] Holds half(GridPoint vertex, int side) const {
     return static_cast<Holds>(halves_[vertex] >> (2 * side) & 3);

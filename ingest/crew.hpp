@@ -16,7 +16,9 @@ namespace talus {
 class Crew {
  public:
   explicit Crew(unsigned threads) {
-    for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this](const std::stop_token& stop) { work(stop); });
+    for (unsigned i = 0; i < threads; ++i) {
+      threads_.emplace_back([this, i](const std::stop_token& stop) { work(stop, i); });
+    }
   }
   ~Crew() {
     for (std::jthread& thread : threads_) thread.request_stop();
@@ -25,37 +27,37 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// The future holds what `work` returns or throws.
+  /// work(number of the thread, from 0). The future holds what it returns or throws.
   template <class Work>
   [[nodiscard]] auto give(Work work) {
-    using Result = decltype(work());
-    auto task = std::make_shared<std::packaged_task<Result()>>(std::move(work));
+    using Result = decltype(work(0u));
+    auto task = std::make_shared<std::packaged_task<Result(unsigned)>>(std::move(work));
     std::future<Result> result = task->get_future();
     {
       const std::lock_guard lock(mutex_);
-      waiting_.emplace_back([task] { (*task)(); });
+      waiting_.emplace_back([task](unsigned who) { (*task)(who); });
     }
     ready_.notify_one();
     return result;
   }
 
  private:
-  void work(const std::stop_token& stop) {
+  void work(const std::stop_token& stop, unsigned who) {
     for (;;) {
-      std::function<void()> next;
+      std::function<void(unsigned)> next;
       {
         std::unique_lock lock(mutex_);
         if (!ready_.wait(lock, stop, [&] { return !waiting_.empty(); }) || stop.stop_requested()) return;
         next = std::move(waiting_.front());
         waiting_.pop_front();
       }
-      next();
+      next(who);
     }
   }
 
   std::mutex mutex_;
   std::condition_variable_any ready_;
-  std::deque<std::function<void()>> waiting_;
+  std::deque<std::function<void(unsigned)>> waiting_;
   std::vector<std::jthread> threads_;  // last: they end before what they use
 };
 

@@ -40,7 +40,7 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   description.finest_tolerance = options.finest_tolerance;
   Job job = job_of(
       description, code_bytes(code_kind(source.description())), source.block_bytes(),
-      [&](GridRect part, GridRect own) { return source.read(part, own); }, options);
+      [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
   const auto left = options.resume      ? PartFile::Left::resume
                     : options.overwrite ? PartFile::Left::replace
                                         : PartFile::Left::refuse;
@@ -72,7 +72,7 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   description.lossy_metres = options.inputs.height_step / 2;
   description.finest_tolerance = options.finest_tolerance;
   return estimate(job_of(description, code_bytes(code_kind(source.description())), source.block_bytes(),
-                         [&](GridRect part, GridRect own) { return source.read(part, own); }, options),
+                         [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options),
                   source);
 }
 

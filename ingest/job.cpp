@@ -54,10 +54,18 @@ Result wait_for(std::future<Result>& future, Teller& teller, std::uint64_t sampl
 
 // ---- stage one: tiles ------------------------------------------------------------------------------
 
-TilePages settle_tile(const Job& job, TileId id, const std::shared_ptr<const Window>& panel) {
+/// What settling a tile works in. Keeping it for the next tile spares fresh memory, which costs more than filling it.
+struct TileMemory {
+  Window window;
+  TileErrors errors;
+  TilePacking packing;
+};
+
+TilePages settle_tile(const Job& job, TileId id, const Window& panel, TileMemory& memory) {
   const GridRect part = tile_window(id, job.description.extent);
-  if (part.cols() <= 0 || part.rows() <= 0) return {};
-  const Window window = cut(*panel, part);
+  if (is_empty(part)) return {};
+  Window& window = memory.window;
+  cut(panel, part, window);
   TileInput input;
   input.id = id;
   input.extent = job.description.extent;
@@ -66,7 +74,8 @@ TilePages settle_tile(const Job& job, TileId id, const std::shared_ptr<const Win
   input.distance = job.distance;
   input.ground_side = [&](const HalfDiamond& t) { return job.ground.longest_side(t).value; };
   input.void_weight = job.description.void_weight;
-  return pack_tile(id, tile_errors(input), window.valid, job.making);
+  tile_errors(input, memory.errors);
+  return pack_tile(id, memory.errors, window.valid, job.making, memory.packing);
 }
 
 PageKey record_key(TileId id) { return {kRecordTable, curve_position({1, id.x, id.y})}; }
@@ -109,21 +118,22 @@ void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
   Teller teller(job, settled);
   teller.tiles(settled);
 
-  std::shared_ptr<const Window> before;
+  PanelReader reader(job.read);
+  std::deque<TileMemory> memories(job.budget.threads);
   Crew crew(job.budget.threads);  // after what its work looks at
   const auto read = [&](std::size_t i) {
-    return crew.give([&job, &panels, i, before] { return read_panel(panels[i], before, job.read); });
+    return crew.give([&, i](unsigned) { return &reader.read(panels[i]); });
   };
   auto next = read(0);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    before = wait_for(next, teller, settled);
+    const Window& panel = *wait_for(next, teller, settled);
     if (i + 1 < panels.size()) next = read(i + 1);
     std::deque<std::future<TilePages>> under_way;
     const std::vector<TileId>& tiles = panels[i].tiles;
     for (std::size_t done = 0, given = 0; done < tiles.size(); ++done) {
       for (; given < tiles.size() && under_way.size() < 2 * job.budget.threads; ++given) {
         under_way.push_back(
-            crew.give([&job, id = tiles[given], panel = before] { return settle_tile(job, id, panel); }));
+            crew.give([&, id = tiles[given]](unsigned who) { return settle_tile(job, id, panel, memories[who]); }));
       }
       const TilePages tile = wait_for(under_way.front(), teller, settled);
       under_way.pop_front();
@@ -262,11 +272,14 @@ IngestEstimate estimate(const Job& job, const Source& source) {
   const std::size_t tried = std::min(kTried, tiles.size());
   double samples = 0, seconds = 0, bytes = 0, all = 0;
   for (const TileId id : tiles) all += static_cast<double>(own_samples(id, job.description.extent));
+  Window read;
+  TileMemory memory;
   for (std::size_t i = 0; i < tried; ++i) {
     const TileId id = tiles[(2 * i + 1) * tiles.size() / (2 * tried)];
     const auto begun = Clock::now();
     const GridRect window = tile_window(id, job.description.extent);
-    const TilePages tile = settle_tile(job, id, std::make_shared<Window>(job.read(window, window)));
+    job.read(read, window, window);
+    const TilePages tile = settle_tile(job, id, read, memory);
     seconds += std::chrono::duration<double>(Clock::now() - begun).count();
     samples += static_cast<double>(own_samples(id, job.description.extent));
     for (const PageBytes& page : tile.pages) bytes += static_cast<double>(page.content.size());

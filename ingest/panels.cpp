@@ -1,7 +1,10 @@
 #include "ingest/panels.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <variant>
+
+#include "engine/large_memory.hpp"
 
 namespace talus {
 namespace {
@@ -26,23 +29,36 @@ void copy(const std::vector<T>& from, GridRect from_region, std::vector<T>& to, 
   }
 }
 
+/// `to` has room for voids if `from` has any.
 void copy(const Window& from, Window& to, GridRect part) {
   std::visit(
       [&](auto& codes) {
         copy(std::get<std::remove_reference_t<decltype(codes)>>(from.codes), from.region, codes, to.region, part);
       },
       to.codes);
-  if (!from.valid.empty()) copy(from.valid, from.region, to.valid, to.region, part);
+  if (!from.valid.empty()) {
+    copy(from.valid, from.region, to.valid, to.region, part);
+  } else if (!to.valid.empty()) {
+    const auto cols = static_cast<std::size_t>(part.cols());
+    for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+      std::fill_n(to.valid.begin() + static_cast<std::ptrdiff_t>(index(to.region, {part.first.col, row})), cols, 1);
+    }
+  }
 }
 
-/// An empty window of the same kind of codes. `masked`: with room for voids.
-Window like(const Window& other, GridRect region, bool masked) {
-  Window made;
-  made.region = region;
+/// Makes a window one of another's kind of codes. `masked`: with room for voids. What it holds is anything.
+void prepare(Window& window, const Window& other, GridRect region, bool masked) {
+  window.region = region;
   const auto n = static_cast<std::size_t>(region.samples());
-  std::visit([&](const auto& codes) { made.codes = std::remove_cvref_t<decltype(codes)>(n); }, other.codes);
-  if (masked) made.valid.assign(n, 1);
-  return made;
+  if (window.codes.index() != other.codes.index()) {
+    std::visit([&](const auto& codes) { window.codes = std::remove_cvref_t<decltype(codes)>(); }, other.codes);
+  }
+  const auto resize = [](auto& values, std::size_t count) {
+    make_room(values, count);
+    values.resize(count);
+  };
+  std::visit([&](auto& codes) { resize(codes, n); }, window.codes);
+  resize(window.valid, masked ? n : 0);
 }
 
 }  // namespace
@@ -87,35 +103,41 @@ std::uint64_t window_bytes(std::int32_t tiles_across, std::size_t bytes_a_code) 
   return (static_cast<std::uint64_t>(tiles_across) * kTileSide + kHalos) * (kTileSide + kHalos) * (bytes_a_code + 1);
 }
 
-std::shared_ptr<const Window> read_panel(const Panel& panel, const std::shared_ptr<const Window>& before,
-                                         const ReadWindow& read) {
+const Window& PanelReader::read(const Panel& panel) {
+  const Window& before = windows_[last_];
+  Window& window = windows_[last_ ^= 1];
   const GridRect& w = panel.window;
-  if (w.cols() <= 0 || w.rows() <= 0) return std::make_shared<Window>();
+  if (is_empty(w)) {
+    window.region = {{0, 0}, {-1, -1}};
+    return window;
+  }
   const auto own = [&](GridRect part) {  // row by row once, without the columns of panels beside
     return GridRect{{panel.first_col, part.first.row}, {panel.last_col, part.last.row}};
   };
-  const bool shares = before && before->region.first.col == w.first.col && before->region.last.col == w.last.col &&
-                      before->region.last.row >= w.first.row && before->region.first.row <= w.first.row;
-  if (!shares) return std::make_shared<Window>(read(w, own(w)));
-  const GridRect old{w.first, {w.last.col, std::min(before->region.last.row, w.last.row)}};
+  const bool shares = before.region.first.col == w.first.col && before.region.last.col == w.last.col &&
+                      before.region.last.row >= w.first.row && before.region.first.row <= w.first.row;
+  if (!shares) {
+    read_(window, w, own(w));
+    return window;
+  }
+  const GridRect old{w.first, {w.last.col, std::min(before.region.last.row, w.last.row)}};
   if (old.last.row == w.last.row) {
-    auto window = std::make_shared<Window>(like(*before, w, !before->valid.empty()));
-    copy(*before, *window, old);
+    prepare(window, before, w, !before.valid.empty());
+    copy(before, window, old);
     return window;
   }
   const GridRect fresh{{w.first.col, old.last.row + 1}, w.last};
-  const Window rest = read(fresh, own(fresh));
-  auto window = std::make_shared<Window>(like(rest, w, !before->valid.empty() || !rest.valid.empty()));
-  copy(*before, *window, old);
-  copy(rest, *window, fresh);
+  read_(fresh_, fresh, own(fresh));
+  prepare(window, fresh_, w, !before.valid.empty() || !fresh_.valid.empty());
+  copy(before, window, old);
+  copy(fresh_, window, fresh);
   return window;
 }
 
-Window cut(const Window& window, GridRect part) {
-  Window made = like(window, part, !window.valid.empty());
-  copy(window, made, part);
-  if (std::find(made.valid.begin(), made.valid.end(), 0) == made.valid.end()) made.valid.clear();
-  return made;
+void cut(const Window& window, GridRect part, Window& into) {
+  prepare(into, window, part, !window.valid.empty());
+  copy(window, into, part);
+  if (!into.valid.empty() && std::memchr(into.valid.data(), 0, into.valid.size()) == nullptr) into.valid.clear();
 }
 
 }  // namespace talus

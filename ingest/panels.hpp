@@ -2,7 +2,7 @@
 // How a raster goes through memory: panels, rows of tiles as wide as memory allows.
 
 #include <functional>
-#include <memory>
+#include <utility>
 #include <vector>
 
 #include "engine/tile.hpp"
@@ -10,8 +10,9 @@
 
 namespace talus {
 
-/// Reads a rectangle; the second one is the part that no other call has as its own. One call at a time.
-using ReadWindow = std::function<Window(GridRect part, GridRect own)>;
+/// Reads a rectangle into a window that was used before; `own` is the part that no other call has as its own. One call
+/// at a time.
+using ReadWindow = std::function<void(Window& into, GridRect part, GridRect own)>;
 
 struct Panel {
   std::vector<TileId> tiles;  ///< beside each other, west to east
@@ -34,11 +35,20 @@ struct Panel {
 /// Bytes of memory for the window of a panel.
 [[nodiscard]] std::uint64_t window_bytes(std::int32_t tiles_across, std::size_t bytes_a_code);
 
-/// Reads panels one after the other; rows that the window shares with the one before are copied.
-[[nodiscard]] std::shared_ptr<const Window> read_panel(const Panel& panel, const std::shared_ptr<const Window>& before,
-                                                       const ReadWindow& read);
+/// Windows of panels, one after the other, in the same memory: fresh memory costs as much as reading into it.
+class PanelReader {
+ public:
+  explicit PanelReader(ReadWindow read) : read_(std::move(read)) {}
+  /// Rows that the window shares with the one before are copied. It stays until the next call but one.
+  const Window& read(const Panel& panel);
+
+ private:
+  ReadWindow read_;
+  Window windows_[2], fresh_;
+  int last_ = 0;
+};
 
 /// The part of a window that one tile is computed from.
-[[nodiscard]] Window cut(const Window& window, GridRect part);
+void cut(const Window& window, GridRect part, Window& into);
 
 }  // namespace talus

@@ -84,24 +84,21 @@ bool is_plain(const Patch<T>& patch, const RawRule<T>& rule) {
   return true;
 }
 
-/// Marks voids in `valid`, which holds the mask, and makes their samples 0. Returns whether all samples are data.
+/// Marks voids in `valid`, which holds the mask, and makes their samples 0.
 template <class T>
-bool mark_voids(const Patch<T>& patch, const RawRule<T>& rule, std::vector<std::uint8_t>& valid) {
+void mark_voids(const Patch<T>& patch, const RawRule<T>& rule, const Patch<std::uint8_t>& valid) {
   const T nodata = rule.nodata;
   const bool has_nodata = rule.has_nodata;
-  std::uint8_t all = 1;
   for (std::size_t r = 0; r < patch.rows; ++r) {
     T* row = patch.row(r);
-    std::uint8_t* ok = valid.data() + r * patch.cols;
+    std::uint8_t* ok = valid.row(r);
     for (std::size_t c = 0; c < patch.cols; ++c) {
       const T v = row[c];
       const bool is_data = !((v == nodata) & has_nodata) & (v == v) & (ok[c] != 0);
       ok[c] = static_cast<std::uint8_t>(is_data);
       row[c] = is_data ? v : T{0};
-      all = static_cast<std::uint8_t>(all & ok[c]);
     }
   }
-  return all != 0;
 }
 
 }  // namespace
@@ -139,24 +136,23 @@ void RasterSource::read_raw(GDALRasterBandH band, GDALDataType as, GridRect part
 }
 
 template <class T>
-std::vector<std::uint8_t> RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size_t stride) const {
+bool RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size_t stride,
+                        const std::function<std::uint8_t*()>& valid_at) const {
   const Patch<T> patch{codes, static_cast<std::size_t>(part.cols()), static_cast<std::size_t>(part.rows()), stride};
   const bool mirrored = facts_.is_mirrored && !facts_.warp, south_up = facts_.is_south_up && !facts_.warp;
   read_raw(band_, kGdalType<T>, part, codes, stride * sizeof(T));
   turn(patch, mirrored, south_up);
 
   const RawRule<T> rule = raw_rule<T>(facts_, coding);
-  std::vector<std::uint8_t> valid;
+  if (mask_ == nullptr && coding.rule == Coding::Rule::raw && is_plain(patch, rule)) return false;
+  const Patch<std::uint8_t> valid{valid_at(), patch.cols, patch.rows, stride};
   if (mask_ != nullptr) {
-    valid.resize(patch.cols * patch.rows);
-    read_raw(mask_, GDT_Byte, part, valid.data(), patch.cols);
-    turn(Patch<std::uint8_t>{valid.data(), patch.cols, patch.rows, patch.cols}, mirrored, south_up);
-  } else if (is_plain(patch, rule) && coding.rule == Coding::Rule::raw) {
-    return valid;
+    read_raw(mask_, GDT_Byte, part, valid.samples, stride);
+    turn(valid, mirrored, south_up);
   } else {
-    valid.assign(patch.cols * patch.rows, 1);
+    for (std::size_t r = 0; r < valid.rows; ++r) std::fill_n(valid.row(r), valid.cols, std::uint8_t{1});
   }
-  const bool all = mark_voids(patch, rule, valid);
+  mark_voids(patch, rule, valid);
 
   const double largest = kLargestHeight / facts_.metres_per_unit;
   const bool is_integer = facts_.is_integer();
@@ -168,7 +164,7 @@ std::vector<std::uint8_t> RasterSource::read(GridRect part, const Coding& coding
   };
   for (std::size_t r = 0; r < patch.rows; ++r) {
     T* row = patch.row(r);
-    const std::uint8_t* ok = valid.data() + r * patch.cols;
+    const std::uint8_t* ok = valid.row(r);
     for (std::size_t c = 0; c < patch.cols; ++c) {
       if (ok[c] == 0 || (coding.rule == Coding::Rule::raw && row[c] >= rule.low && row[c] <= rule.high)) continue;
       const double value = value_of(static_cast<double>(row[c]));
@@ -187,12 +183,12 @@ std::vector<std::uint8_t> RasterSource::read(GridRect part, const Coding& coding
       }
     }
   }
-  if (all) valid.clear();
-  return valid;
+  return true;
 }
 
-template std::vector<std::uint8_t> RasterSource::read(GridRect, const Coding&, std::int16_t*, std::size_t) const;
-template std::vector<std::uint8_t> RasterSource::read(GridRect, const Coding&, float*, std::size_t) const;
-template std::vector<std::uint8_t> RasterSource::read(GridRect, const Coding&, double*, std::size_t) const;
+using ValidAt = std::function<std::uint8_t*()>;
+template bool RasterSource::read(GridRect, const Coding&, std::int16_t*, std::size_t, const ValidAt&) const;
+template bool RasterSource::read(GridRect, const Coding&, float*, std::size_t, const ValidAt&) const;
+template bool RasterSource::read(GridRect, const Coding&, double*, std::size_t, const ValidAt&) const;
 
 }  // namespace talus

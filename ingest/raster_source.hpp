@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <functional>
 
 #include "ingest/raster_facts.hpp"
 
@@ -30,11 +30,13 @@ class RasterSource {
   /// Reads samples of the common grid into `codes`, whose rows are `stride` apart.
   ///
   /// T       int16_t, float or double, one that holds every raw sample and every code
-  /// returns which samples are data, one byte each row by row; empty: all are
+  /// valid   says where which samples are data goes, one byte each, rows as far apart; asked only if some may be void
+  /// returns whether it was asked; if not, all are data
   /// fails   io: names the rows; invalid_argument: a sample that is no height
-  /// cost    one read of the file; memory one byte a sample, where something is void
+  /// cost    one read of the file
   template <class T>
-  std::vector<std::uint8_t> read(GridRect part, const Coding& coding, T* codes, std::size_t stride) const;
+  bool read(GridRect part, const Coding& coding, T* codes, std::size_t stride,
+            const std::function<std::uint8_t*()>& valid) const;
 
  private:
   RasterFacts facts_;

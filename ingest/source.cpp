@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,6 +13,7 @@
 #include <cpl_string.h>
 #include <fmt/format.h>
 
+#include "engine/large_memory.hpp"
 #include "ingest/gdal_scope.hpp"
 #include "ingest/input_list.hpp"
 #include "ingest/open_rasters.hpp"
@@ -143,6 +145,7 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
 template <class T>
 void resize(Codes& codes, std::size_t samples) {
   if (!std::holds_alternative<std::vector<T>>(codes)) codes.emplace<std::vector<T>>();
+  make_room(std::get<std::vector<T>>(codes), samples);
   std::get<std::vector<T>>(codes).resize(samples);
 }
 
@@ -262,17 +265,10 @@ std::size_t index_in(GridRect region, GridPoint p) {
                                   (std::int64_t{p.col} - region.first.col));
 }
 
-void set_valid(Window& window, GridRect rect, const std::vector<std::uint8_t>& valid) {
-  if (valid.empty() && window.valid.empty()) return;
-  if (window.valid.empty()) window.valid.assign(static_cast<std::size_t>(window.region.samples()), 1);
-  const auto cols = static_cast<std::size_t>(rect.cols());
+void set_all_valid(Window& window, GridRect rect) {
   for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
     const auto to = window.valid.begin() + static_cast<std::ptrdiff_t>(index_in(window.region, {rect.first.col, row}));
-    if (valid.empty()) {
-      std::fill_n(to, cols, std::uint8_t{1});
-    } else {
-      std::copy_n(valid.begin() + static_cast<std::ptrdiff_t>(index_in(rect, {rect.first.col, row})), cols, to);
-    }
+    std::fill_n(to, rect.cols(), std::uint8_t{1});
   }
 }
 
@@ -337,10 +333,17 @@ void Source::Reader::lay(std::size_t layer, Window& window, std::vector<T>& code
   for (const GridRect& overlap : overlaps) kept.push_back(keep(window, codes, overlap));
 
   const std::size_t at_first = index_in(window.region, rect.first);
-  const std::vector<std::uint8_t> valid =
-      open.get(index).read(rect, {plan.types.rule, plan.types.step}, codes.data() + at_first,
-                           static_cast<std::size_t>(window.region.cols()));
-  set_valid(window, rect, valid);
+  const auto valid_at = [&] {
+    const auto samples = static_cast<std::size_t>(window.region.samples());
+    if (window.valid.empty()) {
+      make_room(window.valid, samples);
+      window.valid.assign(samples, 1);
+    }
+    return window.valid.data() + at_first;
+  };
+  const bool may_be_void = open.get(index).read(rect, {plan.types.rule, plan.types.step}, codes.data() + at_first,
+                                                static_cast<std::size_t>(window.region.cols()), valid_at);
+  if (!may_be_void && !window.valid.empty()) set_all_valid(window, rect);
   for (const Kept<T>& k : kept) restore(k, window, codes, own, layer);
 }
 
@@ -421,8 +424,9 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
     if (!meet(plan_->rasters[plan_->order[layer]].place, part)) continue;
     std::visit([&](auto& codes) { reader_->lay(layer, window, codes, own); }, window.codes);
   }
-  const auto is_data = [](std::uint8_t v) { return v != 0; };
-  if (std::all_of(window.valid.begin(), window.valid.end(), is_data)) window.valid.clear();
+  if (!window.valid.empty() && std::memchr(window.valid.data(), 0, window.valid.size()) == nullptr) {
+    window.valid.clear();
+  }
 }
 
 bool Source::touches(GridRect part) const {
@@ -442,8 +446,9 @@ std::optional<double> Source::Reader::height_at(std::size_t raster, GridPoint p)
   resize(codes, plan.types.width, 1);
   return std::visit(
       [&](auto& one) -> std::optional<double> {
-        const auto valid = open.get(raster).read({p, p}, {plan.types.rule, plan.types.step}, one.data(), 1);
-        if (!valid.empty()) return std::nullopt;
+        std::uint8_t valid = 1;
+        open.get(raster).read({p, p}, {plan.types.rule, plan.types.step}, one.data(), 1, [&] { return &valid; });
+        if (valid == 0) return std::nullopt;
         return plan.types.step.value(static_cast<double>(one.front()));
       },
       codes);

@@ -26,19 +26,21 @@ std::uint8_t leaving(GridRect extent, GridPoint p) {
   return bits;
 }
 
-Page empty_page(PageId id, const PageMaking& making, bool voids) {
-  Page page;
+/// Heights and voids are left to the caller.
+void begin_page(Page& page, PageId id, const PageMaking& making, bool voids) {
   page.id = id;
   page.bands = making.bands;
   page.extent = making.extent;
   page.grid = page_grid(id, making.extent);
   page.heights.resize(page.grid.size());
   page.errors.assign(page.grid.size(), 0);
-  if (voids) page.valid.resize(page.grid.size());
-  return page;
+  page.valid.resize(voids ? page.grid.size() : 0);
+  page.covers.clear();
+  page.children.clear();
 }
 
-/// Errors and triangles with data of the page's own vertices. Returns what the page above must know.
+/// Errors and triangles with data of the page's own vertices, by error(vertex, index) and covers(vertex, index). Returns
+/// what the page above must know.
 template <class Error, class Covers>
 ChildEntry complete(Page& page, const PageMaking& making, bool voids, Error&& error, Covers&& covers) {
   if (std::find(page.valid.begin(), page.valid.end(), 0) == page.valid.end()) page.valid.clear();
@@ -46,19 +48,23 @@ ChildEntry complete(Page& page, const PageMaking& making, bool voids, Error&& er
   entry.present = entry.lowest <= entry.highest || page.id.band == making.bands - 1;  // a query starts at the coarsest
   if (voids) page.covers.assign(page.grid.size(), 0);
   bool covers_differ = false;
-  const auto own_spacing = static_cast<std::uint32_t>(band_spacing(page.id.band + 1)) - 1;
+  const std::int32_t reach = band_spacing(page.id.band + 1);
+  const auto own_spacing = static_cast<std::uint32_t>(reach) - 1;
+  const GridRect square = page_square(page.id);
+  const bool may_leave = !making.extent.contains({square.first.col - reach, square.first.row - reach}) ||
+                         !making.extent.contains({square.last.col + reach, square.last.row + reach});
   const bool coarsest = page.id.band == making.bands - 1;
   for (std::int32_t row = 0; row < page.grid.rows; ++row) {
     for (std::int32_t col = 0; col < page.grid.cols; ++col) {
       const GridPoint p = page.grid.at(col, row);
       if (!coarsest && (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) == 0) continue;  // of a band above
       const std::size_t i = page.index(col, row);
-      page.errors[i] = error(p);
+      page.errors[i] = error(p, i);
       entry.largest = std::max(entry.largest, page.errors[i]);
       if (!voids) continue;
-      const std::uint8_t with_data = covers(p);
+      const std::uint8_t with_data = covers(p, i);
       entry.present = entry.present || with_data != 0 || page.errors[i] != 0;
-      page.covers[i] = static_cast<std::uint8_t>(with_data | leaving(making.extent, p));
+      page.covers[i] = static_cast<std::uint8_t>(with_data | (may_leave ? leaving(making.extent, p) : 0));
       covers_differ = covers_differ || page.covers[i] != 15;
     }
   }
@@ -106,13 +112,32 @@ PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, co
   return made;
 }
 
+struct ValidRange {
+  std::uint64_t samples = 0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+};
+ValidRange valid_range(const Page& page) {
+  ValidRange range;
+  for (std::size_t i = 0; i < page.heights.size(); ++i) {
+    if (!page.valid.empty() && !page.valid[i]) continue;
+    ++range.samples;
+    range.lowest = std::min(range.lowest, page.heights[i]);
+    range.highest = std::max(range.highest, page.heights[i]);
+  }
+  return range;
+}
+
 /// Counts by error code, turned into counts above each rung.
 class Histogram {
  public:
-  void count(const Page& page, int bands) {
+  /// Of a page of band 0 or 1, which are never the coarsest.
+  void count(const Page& page) {
+    const auto own_spacing = static_cast<std::uint32_t>(band_spacing(page.id.band + 1)) - 1;
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        if (band_of(page.grid.at(col, row), bands) == page.id.band) ++by_code_[page.errors[page.index(col, row)]];
+        const GridPoint p = page.grid.at(col, row);
+        const bool is_own = (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) != 0;
+        by_code_[page.errors[page.index(col, row)]] += is_own ? 1 : 0;
       }
     }
   }
@@ -131,8 +156,15 @@ class Histogram {
 
 class TilePacker {
  public:
-  TilePacker(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making)
-      : id_(id), tile_(tile), valid_(valid), making_(making), window_(tile_window(id, making.extent)) {}
+  TilePacker(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making,
+             TilePacking& memory)
+      : id_(id),
+        tile_(tile),
+        valid_(valid),
+        making_(making),
+        window_(tile_window(id, making.extent)),
+        encoder_(memory.encoder),
+        page_(memory.page) {}
 
   TilePages run() {
     if (tile_.all_void) {
@@ -151,16 +183,14 @@ class TilePacker {
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
     for (const PageId id : children) {
       if (page_grid(id, making_.extent).size() == 0 || is_far_from_data(id)) continue;
-      Page page = samples_of(id);
-      for (std::size_t i = 0; i < page.heights.size(); ++i) {
-        if (!page.valid.empty() && !page.valid[i]) continue;
-        ++made_.summary.valid_samples;
-        lowest = std::min(lowest, page.heights[i]);
-        highest = std::max(highest, page.heights[i]);
-      }
-      ChildEntry entry = finish(page);
+      const Page& page = begin(id);
+      const auto [valid, low, high] = valid_range(page);
+      made_.summary.valid_samples += valid;
+      lowest = std::min(lowest, low);
+      highest = std::max(highest, high);
+      ChildEntry entry = finish();
       if (!entry.present) continue;
-      histogram_.count(page, making_.bands);
+      histogram_.count(page);
       made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
       below.emplace(curve_position(id), entry);
     }
@@ -169,12 +199,12 @@ class TilePacker {
       made_.summary.lowest = std::min(a, b);  // a negative scale turns them round
       made_.summary.highest = std::max(a, b);
     }
-    Page page = samples_of(parent);
-    ChildEntry entry = finish(page);
-    with_children(page, entry, below);
+    const Page& page = begin(parent);
+    ChildEntry entry = finish();
+    with_children(page_, entry, below);
     entry.present = entry.present || !below.empty();
     if (entry.present) {
-      histogram_.count(page, making_.bands);
+      histogram_.count(page);
       made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
     }
     made_.summary.entry = entry;
@@ -214,8 +244,10 @@ class TilePacker {
     }
   }
 
-  [[nodiscard]] Page samples_of(PageId id) const {
-    Page page = empty_page(id, making_, !valid_.empty());
+  /// A page with its samples.
+  const Page& begin(PageId id) {
+    Page& page = page_;
+    begin_page(page, id, making_, !valid_.empty());
     const std::size_t step = std::size_t{1} << page.grid.shift;
     std::visit(
         [&](const auto& codes) {
@@ -254,10 +286,30 @@ class TilePacker {
     return !valid_.empty() && !has_near(id, 2 * band_spacing(1), 1);
   }
 
-  [[nodiscard]] ChildEntry finish(Page& page) const {
+  [[nodiscard]] ChildEntry finish() {
+    const bool voids = has_voids_near(page_.id);
+    take_errors();
     return complete(
-        page, making_, has_voids_near(page.id), [&](GridPoint p) { return tile_.errors[p]; },
-        [&](GridPoint p) { return tile_.voids->apex_triangles_with_data(p); });
+        page_, making_, voids, [&](GridPoint, std::size_t i) { return page_.errors[i]; },
+        [&](GridPoint p, std::size_t) { return tile_.voids->apex_triangles_with_data(p); });
+  }
+
+  /// Level by level, rows at a time: a level's rows have zeros where coarser vertices stand, which come later.
+  void take_errors() {
+    const PageGrid& grid = page_.grid;
+    for (int shift = grid.shift; shift < grid.shift + kBandLevels; ++shift) {
+      const auto level = tile_.errors.units(shift);
+      const int finer = shift - grid.shift;  // a vertex of the level is one of the page's of that many levels below
+      const std::int32_t step = 1 << finer;
+      const GridPoint first{(grid.first.col + step - 1) >> finer, (grid.first.row + step - 1) >> finer};
+      const GridPoint last{(grid.first.col + grid.cols - 1) >> finer, (grid.first.row + grid.rows - 1) >> finer};
+      if (first.col > last.col) continue;
+      for (std::int32_t row = first.row; row <= last.row; ++row) {
+        const ErrorCode* from = &level.at(first.col, row);
+        ErrorCode* to = &page_.errors[page_.index(first.col * step - grid.first.col, row * step - grid.first.row)];
+        for (std::int32_t i = 0; i <= last.col - first.col; ++i) to[i * step] = from[i];
+      }
+    }
   }
 
   /// Every 64th sample, out of the page of band 1, which has every 8th.
@@ -287,23 +339,26 @@ class TilePacker {
   GridRect window_;
   TilePages made_;
   Histogram histogram_;
-  PageEncoder encoder_;
+  PageEncoder& encoder_;
+  Page& page_;
 };
 
 }  // namespace
 
-TilePages pack_tile(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making) {
-  return TilePacker(id, tile, valid, making).run();
+TilePages pack_tile(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making,
+                    TilePacking& memory) {
+  return TilePacker(id, tile, valid, making, memory).run();
 }
 
 void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& making,
                  const std::function<void(PageBytes)>& take) {
   const bool voids = levels.has_voids();
   PageEncoder encoder;
+  Page page;
   for (int band = kFewestBands - 1; band < making.bands; ++band) {
     Entries above;
     for (const PageId id : pages_of_band(band, making.extent)) {
-      Page page = empty_page(id, making, voids);
+      begin_page(page, id, making, voids);
       for (std::int32_t row = 0; row < page.grid.rows; ++row) {
         for (std::int32_t col = 0; col < page.grid.cols; ++col) {
           const std::size_t i = page.index(col, row);
@@ -312,8 +367,8 @@ void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& 
         }
       }
       ChildEntry entry = complete(
-          page, making, voids, [&](GridPoint p) { return levels.error(p); },
-          [&](GridPoint p) {
+          page, making, voids, [&](GridPoint p, std::size_t) { return levels.error(p); },
+          [&](GridPoint p, std::size_t) {
             return height_in_tree(p) >= levels.root_height() ? std::uint8_t{15} : levels.apex_triangles_with_data(p);
           });
       with_children(page, entry, entries);

@@ -91,7 +91,7 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
   if (kind > code_kind(before)) description.source_type = source.description().source_type;
   Job job = job_of(
       description, code_bytes(kind), source.block_bytes(),
-      [&](GridRect part, GridRect own) { return laid_over(base, source, kind, part, own); }, options);
+      [&](Window& into, GridRect part, GridRect own) { into = laid_over(base, source, kind, part, own); }, options);
   Provenance provenance = base.provenance();
   ++provenance.generation;
   provenance.made_by = made_by(options);
