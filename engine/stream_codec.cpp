@@ -12,6 +12,8 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -369,8 +371,9 @@ class Parts {
     in_.check(kPartHeader + payload_bytes(lattice, count));
     (void)in_.take(kPartHeader);
     if (!(bound >= q_.bound.value) || !(bound <= bound_)) Reader::refuse(begin + 16, "a bound that does not fit the others");
-    if (!(largest >= 0)) Reader::refuse(begin + 24, "an error that is none");
+    if (!(largest >= 0) || (largest != 0 && !header_.has_level_errors)) Reader::refuse(begin + 24, "an error that is none");
     bound_ = bound;
+    bounds_.push_back({bound, begin + 16});
     if (header_.has_level_errors) q_.level_errors[shift] = largest;
 
     parts_.emplace_back();
@@ -403,7 +406,7 @@ class Parts {
     const bool is_whole = taken_ == header_.parts;
     if (is_whole && found_ != header_.vertices)
       in_.refuse(fmt::format("{} vertices, the header says {}", found_, header_.vertices));
-    if (is_whole && bound_ != q_.bound.value) in_.refuse("the last part's bound is not the header's");
+    if (is_whole) require_bounds();
     q_.vertices.seal();
     q_.heights.resize(q_.vertices.size());
     if (header_.has_covers) q_.covers.resize(q_.vertices.size());
@@ -469,6 +472,16 @@ class Parts {
     }
     if (parts_.back().points.size() != count) Reader::refuse(begin, "fewer vertices than said");
   }
+  /// That each part states what the levels behind it leave out.
+  void require_bounds() const {
+    double expected = q_.bound.value;
+    for (std::size_t i = bounds_.size(); i-- > 0;) {
+      if (i + 1 < bounds_.size())
+        expected = header_.has_level_errors ? std::max(expected, q_.level_errors[header_.parts - 2 - i]) : kInfinity;
+      if (bounds_[i].first != expected) Reader::refuse(bounds_[i].second, "a bound that does not fit the errors behind it");
+    }
+  }
+
   /// Of an answer: that the parts so far are a restricted quadtree, as far as triangles with data need it. Amid voids
   /// parents may be missing.
   void require_parents(std::size_t begin) const {
@@ -494,6 +507,7 @@ class Parts {
   double bound_;
   std::size_t taken_ = 0;
   std::uint64_t found_ = 0;
+  std::vector<std::pair<double, std::size_t>> bounds_;  ///< by part, and where they stand
   std::vector<Part> parts_;
 };
 
