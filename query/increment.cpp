@@ -1,6 +1,6 @@
-// The walk is that of range_query, with two thresholds instead of one and without the border's pages. What it must share with it
-// to the bit is which pages count in the bound by their entries and which by their vertices: the former hold nothing above the
-// finer tolerance.
+// The walk is that of range_query, with two thresholds instead of one and without the pages of the border. They must agree to
+// the bit on what counts in the bound: of pages with nothing above the finer tolerance their entries, of all others the
+// vertices in the region.
 
 #include "query/increment.hpp"
 

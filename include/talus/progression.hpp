@@ -14,7 +14,8 @@ namespace talus {
 /// corners: with it alone the region is covered. Step k holds the other vertices of level k - 1. The vertices of the
 /// first steps are a restricted quadtree, and their bound is what its triangles keep.
 ///
-/// Of an increment the steps are parts of an increment: merged one after the other they lead to the same quadtrees.
+/// The first steps of what an increment adds are an increment, too, by which the answer becomes such a quadtree; nothing
+/// more can be merged into it.
 class Progression {
  public:
   /// answer   its border constrained; it may go afterwards. Or what an increment adds.

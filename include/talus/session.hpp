@@ -33,7 +33,7 @@ struct Difference {
 
 /// Remembers what one client has. Not to be asked from several threads at once.
 ///
-/// Memory between questions: two words of 64 bits for each 64 samples in a row of the region, see `bytes`. A session
+/// Memory between questions: twelve bytes for each 64 samples in a row of the region, see `bytes`. A session
 /// whose client has more than it may remember forgets all of it, which the difference says; nothing fails. During a question
 /// there are two such masks, and the answer.
 class Session {

@@ -405,6 +405,31 @@ TEST(Progressions, OfLevelsAreAnswersWithALargestLevel) {
   }
 }
 
+TEST(Progressions, OfIncrementsMakeQuadtreesThatKeepTheirBounds) {
+  for (const std::uint64_t seed : seeds(60, 78000)) {
+    const Made made(seed);
+    SCOPED_TRACE(made.raster.description);
+    const Snapshot now = made.now();
+    Random random(seed);
+    const GridRect region = random_region(random, made.raster.terrain);
+    const Metres to{random.log_between(0.01, 30)}, from{to.value * random.within(1.1, 20)};
+    const RestrictedQuadtree base = now.range(region, from).quadtree;
+    const Increment increment = now.increment(region, from, to);
+    const Progression levels(increment.added);
+    for (std::size_t step = 1; step <= levels.steps(); ++step) {
+      const RestrictedQuadtree merged = merge(base, {levels.prefix(increment.added, step), from, {}});
+      if (step == levels.steps()) {
+        EXPECT_EQ(difference(merged, now.range(region, to).quadtree), "");
+      }
+      const auto report = check_mesh(triangulate(merged), made.raster.terrain, now.description().metres_per_unit,
+                                     merged.bound.value, made.raster.judging);
+      EXPECT_LE(report.largest_error, merged.bound.value + (report.exact ? 0 : 1e-9)) << "step " << step;
+      EXPECT_EQ(report.uncovered_samples, 0u) << "step " << step;
+    }
+    if (HasFailure()) return;
+  }
+}
+
 TEST(Progressions, OfVertexErrorsSayWhatSelectedThem) {
   for (const std::uint64_t seed : seeds(60, 77000)) {
     const Made made(seed);
