@@ -113,18 +113,20 @@ PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, co
 }
 
 struct ValidRange {
-  std::uint64_t samples = 0;
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  std::uint64_t samples;
+  double lowest, highest;  // lowest > highest: no sample is data
 };
 ValidRange valid_range(const Page& page) {
-  ValidRange range;
+  std::uint64_t samples = 0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (std::size_t i = 0; i < page.heights.size(); ++i) {
     if (!page.valid.empty() && !page.valid[i]) continue;
-    ++range.samples;
-    range.lowest = std::min(range.lowest, page.heights[i]);
-    range.highest = std::max(range.highest, page.heights[i]);
+    const double h = page.heights[i];
+    ++samples;
+    lowest = h < lowest ? h : lowest;
+    highest = h > highest ? h : highest;
   }
-  return range;
+  return {samples, lowest, highest};
 }
 
 /// Counts by error code, turned into counts above each rung.
@@ -153,6 +155,16 @@ class Histogram {
  private:
   std::vector<std::uint32_t> by_code_ = std::vector<std::uint32_t>(kAlwaysSelected + 1u);
 };
+
+/// Every `step`-th of a row.
+template <class From, class To>
+void take(const From* from, std::size_t count, std::size_t step, To* to) {
+  if (step == 1) {
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<To>(from[i]);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<To>(from[i * step]);
+  }
+}
 
 class TilePacker {
  public:
@@ -254,10 +266,8 @@ class TilePacker {
           for (std::int32_t row = 0; row < page.grid.rows; ++row) {
             const std::size_t from = index(page.grid.at(0, row)), to = page.index(0, row);
             const auto cols = static_cast<std::size_t>(page.grid.cols);
-            for (std::size_t col = 0; col < cols; ++col)
-              page.heights[to + col] = static_cast<double>(codes[from + col * step]);
-            for (std::size_t col = 0; col < cols && !valid_.empty(); ++col)
-              page.valid[to + col] = valid_[from + col * step];
+            take(&codes[from], cols, step, &page.heights[to]);
+            if (!valid_.empty()) take(&valid_[from], cols, step, &page.valid[to]);
           }
         },
         tile_.heights);
