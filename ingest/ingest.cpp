@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/manifest.hpp"
 #include "ingest/job.hpp"
 #include "ingest/part_file.hpp"
 #include "ingest/plan.hpp"
@@ -12,12 +13,27 @@
 namespace talus {
 namespace {
 
+/// Of a database that was finished and lacked only its seal or its name when the ingest was cut short: its plan is gone,
+/// but it says what it was made from.
+bool was_made_of(const Provenance& made, const Source& source, const IngestOptions& options) {
+  if (made.made_by != made_by(options) || made.sources.size() != source.inputs().size()) return false;
+  for (std::size_t i = 0; i < made.sources.size(); ++i) {
+    const SourceFile& then = made.sources[i];
+    const InputFile& now = source.inputs()[i];
+    if (then.name != now.name || then.bytes != now.bytes || then.checksum != source.checksum(i)) return false;
+  }
+  return true;
+}
+
 /// Puts down what is to be done, or holds it against what an interrupted ingest had put down.
-void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const std::filesystem::path& part) {
+void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const Source& source,
+                   const IngestOptions& options, const std::filesystem::path& part) {
   {
     const ReadTxn view = writer.committed();
     if (const auto left = view.find({kHeaderTable, kPlanPosition})) {
       if (std::equal(plan.begin(), plan.end(), left->content.begin(), left->content.end())) return;
+      const auto made = view.find({kHeaderTable, kProvenancePosition});
+      if (left->content.empty() && made && was_made_of(decode_provenance(made->content), source, options)) return;
       throw Failure(Cause::invalid_argument,
                     fmt::format("{}: was begun with other inputs or options, or they have changed since; go on with "
                                 "those, or start anew without --resume by --overwrite",
@@ -47,7 +63,7 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   PartFile part(database, options.overwrite, left);
   std::optional<PageWriter> writer(std::in_place, part.path());
   if (options.resume) part.keep();  // whatever happens now, what was there stays
-  agree_on_plan(*writer, plan_of(source, job.description, options), part.path());
+  agree_on_plan(*writer, plan_of(source, job.description, options), source, options, part.path());
   IngestReport report;
   try {
     report = run(job, source, {{}, made_by(options), 0, {}}, *writer);

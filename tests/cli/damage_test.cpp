@@ -217,6 +217,28 @@ TEST_F(Command, AnIngestThatIsKilledAgainAndAgainEndsInTheSamePages) {
   EXPECT_EQ(talus({"verify", "big.talus", "--against", "big.tif"}).exit_code, done);
 }
 
+// Killed after its last page and before its name: the plan is gone by then.
+TEST_F(Command, AnIngestThatLacksOnlyItsNameIsGoneOnWith) {
+  raster = fit(fractal(300, 200, 6, 2000), SampleType::int16);
+  make_raster("big.tif");
+  ASSERT_EQ(talus({"ingest", "big.tif", "undisturbed.talus"}).exit_code, done);
+  const auto undisturbed = pages_of(folder / "undisturbed.talus");
+  std::filesystem::copy_file(folder / "undisturbed.talus", folder / "big.talus.part");
+  const Outcome other = talus({"ingest", "big.tif", "big.talus", "--resume", "--height-step", "5"});
+  EXPECT_EQ(other.exit_code, usage) << other.err;
+  ASSERT_TRUE(std::filesystem::exists(folder / "big.talus.part"));
+  const Outcome outcome = talus({"ingest", "big.tif", "big.talus", "--resume"});
+  EXPECT_EQ(outcome.exit_code, done) << outcome.err;
+  EXPECT_TRUE(pages_of(folder / "big.talus") == undisturbed);
+  EXPECT_EQ(talus({"verify", "big.talus", "--against", "big.tif"}).exit_code, done);
+
+  std::filesystem::copy_file(folder / "undisturbed.talus", folder / "else.talus.part");
+  raster.values[17] += 1;
+  make_raster("big.tif");
+  const Outcome changed = talus({"ingest", "big.tif", "else.talus", "--resume"});
+  EXPECT_EQ(changed.exit_code, usage) << changed.err;
+}
+
 TEST_F(Command, AnInterruptedIngestIsNeitherLostNorMixedUpWithAnother) {
   raster = fit(fractal(2300, 1500, 6, 2000), SampleType::int16);
   make_raster("big.tif");
