@@ -43,7 +43,10 @@ void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const
   writer.put({kHeaderTable, kPlanPosition}, plan);  // with the first tiles: small files have few transactions
 }
 
-bool holds_tiles(PageWriter& writer) { return writer.committed().summary(kRecordTable).pages > 0; }
+/// Whether there is work to go on with: tiles, or a file that lacks its seal or its name only.
+bool holds_tiles(PageWriter& writer) {
+  return writer.is_finished() || writer.committed().summary(kRecordTable).pages > 0;
+}
 
 }  // namespace
 
@@ -71,7 +74,7 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
     if (f.cause() == Cause::full && holds_tiles(*writer)) part.keep();
     throw;
   } catch (...) {  // interrupted: what is done is worth keeping
-    writer->commit(true);
+    if (!writer->is_finished()) writer->commit(true);
     if (holds_tiles(*writer)) part.keep();
     throw;
   }

@@ -316,10 +316,7 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
   finish(job, writer, totals, coarse, std::move(provenance));
   teller.rest("sealing", 0.99);
   report.bytes = writer.finish();
-  try {
-    teller.rest("done", 1);
-  } catch (...) {  // too late to end the work: it is finished and sealed, only its name is missing
-  }
+  teller.rest("done", 1);
   report.description = job.description;
   report.notes = source.notes();
   if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);

@@ -108,6 +108,8 @@ class PageWriter {
   /// Everything on disk and sealed: a digest over every byte of the file, unused ones too, stands at its end. The
   /// file is whole and closed afterwards. Returns its size.
   std::uint64_t finish();
+  /// finish() has closed the file, if it did not get as far as the seal: nothing else may be asked.
+  [[nodiscard]] bool is_finished() const;
 
  private:
   struct Impl;

@@ -123,6 +123,8 @@ ReadTxn PageWriter::committed() {
   return ReadTxn(PageStore(impl_->environment));
 }
 
+bool PageWriter::is_finished() const { return impl_->environment == nullptr; }
+
 std::uint64_t PageWriter::finish() {
   impl_->write_batch();
   check(mdb_env_sync(impl_->env(), 1), "sync", impl_->file());

@@ -120,6 +120,30 @@ TEST(Stream, BlocksAreThoseOfTheFilesThatAVirtualRasterJoins) {
   EXPECT_EQ(open(folder / "a.vrt").block_bytes(), std::max<std::uint64_t>(of_tif, 128 * 40 * 2));
 }
 
+TEST(Stream, MayBeEndedAtEveryStageAndGoneOnWith) {
+  const TempFolder folder;
+  write_raster(country(1300, 300, 3, SampleType::int16), folder / "a.tif");
+  static_cast<void>(ingest(folder / "a.tif", folder / "whole.talus"));
+  const auto whole = pages_of(folder / "whole.talus");
+  struct Ended {};
+  for (const std::string stage : {"levels above tiles", "checksums of the inputs", "sealing", "done"}) {
+    SCOPED_TRACE(stage);
+    IngestOptions options;
+    options.progress = [&](const IngestProgress& now) {
+      if (now.stage == stage) throw Ended{};
+    };
+    EXPECT_THROW(static_cast<void>(ingest(folder / "a.tif", folder / "a.talus", options)), Ended);
+    EXPECT_FALSE(fs::exists(folder / "a.talus"));
+    ASSERT_TRUE(fs::exists(folder / "a.talus.part"));
+    options.progress = {};
+    options.resume = true;
+    const IngestReport report = ingest(folder / "a.tif", folder / "a.talus", options);
+    EXPECT_EQ(report.tiles, 0u) << "settled again";
+    EXPECT_TRUE(pages_of(folder / "a.talus") == whole);
+    fs::remove(folder / "a.talus");
+  }
+}
+
 TEST(Stream, AnswersOverSeveralTilesKeepThePromise) {
   const TempFolder folder;
   for (const SampleType type : {SampleType::int16, SampleType::float32}) {
