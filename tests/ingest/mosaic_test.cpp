@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -21,6 +20,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"
+#include "tests/support/tiles.hpp"
 
 namespace talus {
 namespace {
@@ -28,46 +28,16 @@ namespace {
 namespace fs = std::filesystem;
 using support::all_codes;
 using support::as_terrain;
-using support::failure_of;
 using support::RasterOptions;
 using support::SampleType;
 using support::says;
 using support::spelled;
-using support::TempFolder;
 using support::Terrain;
-using support::write_raster;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
-/// Tiles of cells of 10 m whose north-west corner is given in cells east and south of 500000, 5200000.
-class MosaicTest : public ::testing::Test {
- protected:
-  static RasterOptions at(int col, int row, SampleType type = SampleType::int16) {
-    RasterOptions options;
-    options.type = type;
-    options.crs = "EPSG:25832";
-    options.geotransform = {500000.0 + 10 * col, 10, 0, 5200000.0 - 10 * row, 0, -10};
-    return options;
-  }
-  fs::path write(const std::string& name, const Terrain& terrain, const RasterOptions& options) {
-    write_raster(terrain, folder_ / name, options);
-    return folder_ / name;
-  }
-  fs::path constant(const std::string& name, int cols, int rows, double height, const RasterOptions& options) {
-    return write(name, support::surface(cols, rows, [&](int, int) { return height; }), options);
-  }
-  fs::path write_text(const std::string& name, const std::string& text) {
-    std::ofstream{folder_ / name} << text;
-    return folder_ / name;
-  }
-  static Failure failure_with(const std::vector<fs::path>& files, const InputOptions& options = {}) {
-    return failure_of([&] { Source{files, options}; });
-  }
-
-  TempFolder folder_;
-};
+using MosaicTest = support::TilesTest;
 
 TEST_F(MosaicTest, TheFirstInputsNorthWestSampleIsTheOrigin) {
   const fs::path east = constant("east.tif", 3, 2, 1, at(3, 1));
@@ -523,108 +493,6 @@ TEST_F(MosaicTest, RealTilesAndTheirVirtualRasterAgree) {
   std::size_t different = 0;
   for (std::size_t i = 0; i < a.codes.size(); ++i) different += a.valid[i] != 0 && a.codes[i] != b.codes[i];
   EXPECT_EQ(different, 0u);
-}
-
-// ---- lists, folders --------------------------------------------------------------------------------
-
-TEST_F(MosaicTest, AFolderStandsForItsRasters) {
-  fs::create_directory(folder_ / "dem");
-  fs::create_directory(folder_ / "dem/deeper");
-  constant("dem/b.tif", 2, 1, 2, at(2, 0));
-  constant("dem/a.tif", 2, 1, 1, at(0, 0));
-  constant("dem/deeper/c.tif", 2, 1, 3, at(4, 0));
-  write_text("dem/readme.txt", "heights");
-  write_text("dem/all.vrt", R"(<VRTDataset rasterXSize="2" rasterYSize="1"><VRTRasterBand dataType="Int16" band="1">
-    <SimpleSource><SourceFilename relativeToVRT="1">a.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>)");
-  const Source source{{folder_ / "dem"}, {}};
-  EXPECT_THAT(all_codes(source).codes, ElementsAre(1, 1, 2, 2));
-  EXPECT_TRUE(says(source.notes(), "readme.txt"));
-  EXPECT_TRUE(says(source.notes(), "all.vrt"));
-
-  fs::create_directory(folder_ / "empty");
-  EXPECT_THAT(failure_with({folder_ / "empty"}).what(), HasSubstr("no raster"));
-}
-
-TEST_F(MosaicTest, AListNamesFilesAndFoldersRelativeToItself) {
-  fs::create_directory(folder_ / "lists");
-  fs::create_directory(folder_ / "dem");
-  constant("a.tif", 2, 1, 1, at(0, 0));
-  constant("dem/b.tif", 2, 1, 2, at(2, 0));
-  write_text("lists/all.txt", "# tiles\n\n../a.tif\r\n  ../dem  \n");
-  EXPECT_THAT(all_codes(Source{{"@" + (folder_ / "lists/all.txt").string()}, {}}).codes, ElementsAre(1, 1, 2, 2));
-
-  const Failure missing = failure_with({"@" + (folder_ / "none.txt").string()});
-  EXPECT_EQ(missing.cause(), Cause::not_found);
-  EXPECT_THAT(missing.what(), HasSubstr("none.txt"));
-  write_text("empty.txt", "# nothing\n");
-  EXPECT_EQ(failure_with({"@" + (folder_ / "empty.txt").string()}).cause(), Cause::invalid_argument);
-  write_text("wrong.txt", "missing.tif\n");
-  EXPECT_THAT(failure_with({"@" + (folder_ / "wrong.txt").string()}).what(), HasSubstr("missing.tif"));
-  write_text("nested.txt", "@wrong.txt\n");
-  EXPECT_EQ(failure_with({"@" + (folder_ / "nested.txt").string()}).cause(), Cause::invalid_argument);
-  EXPECT_EQ(failure_with({}).cause(), Cause::invalid_argument);
-}
-
-TEST_F(MosaicTest, AFileNamedTwiceCountsOnce) {
-  const fs::path a = constant("a.tif", 2, 1, 1, at(0, 0)), b = constant("b.tif", 2, 1, 2, at(1, 0));
-  const Source source{{a, b, folder_ / "." / "a.tif"}, {}};
-  EXPECT_THAT(all_codes(source).codes, ElementsAre(1, 1, 2));
-  EXPECT_EQ(source.inputs().size(), 2u);
-  EXPECT_TRUE(says(source.notes(), "more than once"));
-}
-
-TEST_F(MosaicTest, AFileThatIsDamagedLaterIsNamed) {
-  const fs::path a = constant("a.tif", 64, 64, 1, at(0, 0)), b = constant("b.tif", 300, 300, 2, at(64, 0));
-  const Source source{{a, b}, {}};
-  fs::resize_file(b, fs::file_size(b) / 2);
-  const Failure failure = failure_of([&] { static_cast<void>(source.read(source.description().extent)); });
-  EXPECT_EQ(failure.cause(), Cause::io);
-  EXPECT_THAT(failure.what(), AllOf(HasSubstr("b.tif"), HasSubstr("rows")));
-}
-
-TEST_F(MosaicTest, ManyTilesNeedFewOpenFiles) {
-  std::vector<fs::path> files;
-  for (int i = 0; i < 150; ++i) files.push_back(constant("t" + std::to_string(i) + ".tif", 4, 4, i, at(4 * i, 0)));
-  const Source source{files, {}};
-  const auto all = all_codes(source);
-  for (std::size_t i = 0; i < 150; ++i) EXPECT_EQ(all.codes[4 * i], static_cast<double>(i));
-  std::size_t open = 0;
-  for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
-    std::error_code error;
-    if (fs::read_symlink(entry.path(), error).string().starts_with(folder_.path().string())) ++open;
-  }
-  EXPECT_LE(open, 64u);
-}
-
-TEST_F(MosaicTest, InputsAreDescribedAndHaveAChecksum) {
-  RasterOptions options = at(0, 0);
-  options.nodata = -77;
-  const fs::path a = constant("a.tif", 5, 4, 1, options);
-  const Source source{{a}, {}};
-  const InputFile& input = source.inputs()[0];
-  EXPECT_EQ(input.name, "a.tif");
-  EXPECT_EQ(input.driver, "GTiff");
-  EXPECT_EQ(input.type, "Int16");
-  EXPECT_EQ(input.cols, 5);
-  EXPECT_EQ(input.bytes, fs::file_size(a));
-  EXPECT_EQ(input.void_value, "-77");
-  const std::uint64_t before = source.checksum(0);
-  EXPECT_EQ(before, source.checksum(0));
-  std::fstream file{a, std::ios::in | std::ios::out | std::ios::binary};
-  file.seekp(-1, std::ios::end);
-  file.put('x');
-  file.close();
-  EXPECT_NE(before, source.checksum(0));
-}
-
-TEST_F(MosaicTest, DriversBeyondTheListNeedTheUsersWord) {
-  const fs::path file = write_text("a.xyz", "0.5 1.5 10\n1.5 1.5 11\n0.5 0.5 12\n1.5 0.5 13\n");
-  EXPECT_THAT(failure_with({file}).what(), HasSubstr("--allow-driver XYZ"));
-  InputOptions options;
-  options.allow_drivers = {"XYZ"};
-  EXPECT_THAT(all_codes(Source{{file}, options}).codes, ElementsAre(10, 11, 12, 13));
-  options.allow_drivers = {"NoSuchDriver"};
-  EXPECT_EQ(failure_with({file}, options).cause(), Cause::invalid_argument);
 }
 
 }  // namespace
