@@ -1,6 +1,7 @@
 #include "engine/geodesy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -44,6 +45,28 @@ Metres GroundScale::longest_side(const HalfDiamond& t) const {
     return std::hypot((p.col - q.col) * width, (p.row - q.row) * height);
   };
   return Metres{std::max({length(t.a, t.b), length(t.a, t.apex), length(t.b, t.apex)})};
+}
+
+Metres length_in_degrees(Position from, Position to, Metres radius, double flattening) {
+  const GeographicLib::Ellipsoid ellipsoid(radius.value, flattening);
+  // Gauss' rule with five points over pieces of at most a degree is exact to far below a micrometre.
+  constexpr std::array<double, 5> kAt{-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
+                                      0.9061798459386640};
+  constexpr std::array<double, 5> kWeight{0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
+                                          0.4786286704993665, 0.2369268850561891};
+  constexpr double kPerDegree = std::numbers::pi / 180;
+  const double east = (to.x - from.x) * kPerDegree, north = (to.y - from.y) * kPerDegree;
+  const double pieces = std::clamp(std::ceil(std::abs(to.y - from.y)), 1.0, 1000.0);
+  double sum = 0;
+  for (double piece = 0; piece < pieces; ++piece) {
+    for (std::size_t i = 0; i < kAt.size(); ++i) {
+      const double t = (piece + (1 + kAt[i]) / 2) / pieces;
+      const double latitude = std::clamp(from.y + t * (to.y - from.y), -90.0, 90.0);
+      sum += kWeight[i] / 2 * std::hypot(ellipsoid.CircleRadius(latitude) * east,
+                                         ellipsoid.MeridionalCurvatureRadius(latitude) * north);
+    }
+  }
+  return Metres{sum / pieces};
 }
 
 }  // namespace talus

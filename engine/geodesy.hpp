@@ -26,4 +26,8 @@ class GroundScale {
   std::int32_t widest_row_ = 0;
 };
 
+/// Metres along a line that is straight in degrees, over an ellipsoid of an equatorial radius and flattening; x is the
+/// longitude. That is no geodesic. A latitude beyond a pole counts as the pole.
+[[nodiscard]] Metres length_in_degrees(Position from, Position to, Metres radius, double flattening);
+
 }  // namespace talus

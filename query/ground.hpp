@@ -10,15 +10,14 @@ class Ground {
   /// No CRS, or one that is not understood: coordinates are metres.
   explicit Ground(const std::string& crs_wkt);
 
-  /// Of the straight line between two positions. In degrees: along that line over the CRS's ellipsoid, which is no
-  /// geodesic; a latitude beyond a pole counts as the pole.
+  /// Of the straight line between two positions. In degrees: see length_in_degrees, over the CRS's ellipsoid.
   [[nodiscard]] double metres(Position from, Position to) const;
 
  private:
-  double metres_per_unit_ = 1;    ///< of a projected CRS
-  double radians_per_unit_ = 0;   ///< of a geographic one; else 0
-  double equatorial_radius_ = 0;  ///< metres
-  double eccentricity2_ = 0;
+  double metres_per_unit_ = 1;   ///< of a projected CRS
+  double degrees_per_unit_ = 0;  ///< of a geographic one; else 0
+  Metres radius_;                ///< at the equator
+  double flattening_ = 0;
 };
 
 }  // namespace talus
