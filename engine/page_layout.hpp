@@ -102,6 +102,29 @@ struct PageGrid {
           end_row > first_row ? end_row - first_row : 0};
 }
 
+/// The samples of a page that lie in a rectangle, in page-relative columns and rows; last < first: none.
+[[nodiscard]] constexpr GridRect samples_in(const PageGrid& grid, GridRect rect) {
+  const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
+  const auto from = [&](std::int32_t v, std::int32_t first) {
+    const auto unit = static_cast<std::int32_t>((v + ceil) >> grid.shift) - first;
+    return unit > 0 ? unit : 0;
+  };
+  const auto to = [&](std::int32_t v, std::int32_t first, std::int32_t count) {
+    const std::int32_t unit = (v >> grid.shift) - first;
+    return unit < count - 1 ? unit : count - 1;
+  };
+  return {{from(rect.first.col, grid.first.col), from(rect.first.row, grid.first.row)},
+          {to(rect.last.col, grid.first.col, grid.cols), to(rect.last.row, grid.first.row, grid.rows)}};
+}
+/// visit(col, row) of each of them.
+template <class Visit>
+void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
+  const GridRect part = samples_in(grid, rect);
+  for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+    for (std::int32_t col = part.first.col; col <= part.last.col; ++col) visit(col, row);
+  }
+}
+
 [[nodiscard]] constexpr bool overlap(GridRect a, GridRect b) {
   return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row &&
          b.first.row <= a.last.row;

@@ -12,7 +12,7 @@
 #include "engine/half_diamond.hpp"
 #include "engine/triangulation.hpp"
 #include "query/found.hpp"
-#include "query/page_walk.hpp"
+#include "query/nearby_pages.hpp"
 #include "query/question.hpp"
 #include "talus/failure.hpp"
 
@@ -28,15 +28,17 @@ class Fitting {
         region_(region),
         budget_(budget),
         extent_(pages.manifest().description.extent),
-        walk_(pages, cost_) {}
+        nearby_(pages, cost_) {}
 
   Metres run() {
     count_border();
-    for (const PageId top : pages_of_band(pages_.manifest().bands - 1, extent_)) consider(top);
+    const Manifest& manifest = pages_.manifest();
+    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+    for (std::size_t i = 0; i < tops.size(); ++i) consider(tops[i], kAlwaysSelected, manifest.top_generations[i]);
     while (!waiting_.empty() && !is_over_from(waiting_.top().largest)) {
-      const PageId id = waiting_.top().id;
+      const Waiting next = waiting_.top();
       waiting_.pop();
-      count(id);
+      count(*pages_.shared(next.id, next.generation, cost_));
     }
     return tolerance_of(smallest_that_fits());
   }
@@ -45,6 +47,7 @@ class Fitting {
   struct Waiting {
     ErrorCode largest;
     PageId id;
+    std::uint32_t generation;
     friend bool operator<(const Waiting& a, const Waiting& b) {
       return std::tuple(a.largest, -a.id.band, a.id.x, a.id.y) < std::tuple(b.largest, -b.id.band, b.id.x, b.id.y);
     }
@@ -62,7 +65,7 @@ class Fitting {
     if (region_.contains({0, 0})) needed.push_back({0, 0});  // a root corner, whatever the tolerance
     for (const GridPoint p : needed) {
       if (!forced_.insert(key(p)).second) continue;
-      const std::shared_ptr<const Page> page = walk_.find(p);
+      const Page* page = nearby_.page_of_vertex(p);
       if (page == nullptr) continue;
       found.begin_page();
       found.take(*page, (p.col >> page->grid.shift) - page->grid.first.col, (p.row >> page->grid.shift) - page->grid.first.row);
@@ -89,25 +92,21 @@ class Fitting {
            (budget_.triangles == 0 || s.triangles <= budget_.triangles);
   }
 
-  void consider(PageId id) {
-    const std::optional<ChildEntry> entry = walk_.entry(id);
-    if (entry && overlap(page_square(id), region_)) waiting_.push({entry->largest, id});
+  void consider(PageId id, ErrorCode largest, std::uint32_t generation) {
+    if (overlap(page_square(id), region_)) waiting_.push({largest, id, generation});
   }
 
-  void count(PageId id) {
-    const std::shared_ptr<const Page> page = walk_.find(id);
-    if (page == nullptr) return;
-    for (std::int32_t row = 0; row < page->grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page->grid.cols; ++col) {
-        const GridPoint p = page->grid.at(col, row);
-        if (!region_.contains(p) || !page->is_own(p)) continue;
-        const std::size_t i = page->index(col, row);
-        const ErrorCode code = page->error(i, pages_.distance());
-        if (code > 0 && !forced_.contains(key(p))) by_code_[code].add({1, triangles_added(*page, i, p)});
-      }
-    }
-    for (std::size_t i = 0; i < page->children.size(); ++i) {
-      if (page->children[i].present) consider(child_page(id, i));
+  void count(const Page& page) {
+    for_each_in(page.grid, region_, [&](std::int32_t col, std::int32_t row) {
+      const GridPoint p = page.grid.at(col, row);
+      if (!page.is_own(p)) return;
+      const std::size_t i = page.index(col, row);
+      const ErrorCode code = page.error(i, pages_.distance());
+      if (code > 0 && !forced_.contains(key(p))) by_code_[code].add({1, triangles_added(page, i, p)});
+    });
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const ChildEntry& child = page.children[i];
+      if (child.present) consider(child_page(page.id, i), child.largest, child.generation);
     }
   }
 
@@ -157,7 +156,7 @@ class Fitting {
   const Budget& budget_;
   GridRect extent_;
   QueryCost cost_;
-  PageWalk walk_;
+  NearbyPages nearby_;
   std::unordered_set<std::uint64_t> forced_;
   Sum border_;
   std::priority_queue<Waiting> waiting_;

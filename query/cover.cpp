@@ -9,7 +9,7 @@ namespace {
 class Around {
  public:
   Around(GridRect region, GridRect extent, int finest_height, const Above& above, const ExtentBorder& border,
-         PageWalk& pages)
+         NearbyPages& pages)
       : region_(region), extent_(extent), finest_height_(finest_height), above_(above), border_(border), pages_(pages) {}
 
   VerticesAround run() {
@@ -47,7 +47,7 @@ class Around {
     if (!extent_.contains(t.apex) || !extent_.contains(t.left) || !extent_.contains(t.right)) return true;
     if (border_.contains(split)) return true;
     if (height_in_tree(split) < finest_height_) return false;
-    const std::shared_ptr<const Page> page = pages_.find(split);
+    const Page* page = pages_.page_of_vertex(split);
     if (page == nullptr) return false;
     const std::int32_t col = (split.col >> page->grid.shift) - page->grid.first.col;
     const std::int32_t row = (split.row >> page->grid.shift) - page->grid.first.row;
@@ -58,14 +58,14 @@ class Around {
   int finest_height_;
   const Above& above_;
   const ExtentBorder& border_;
-  PageWalk& pages_;
+  NearbyPages& pages_;
   VerticesAround outside_;
 };
 
 }  // namespace
 
 VerticesAround vertices_around(GridRect region, GridRect extent, int finest_height, const Above& above,
-                               const ExtentBorder& border, PageWalk& pages) {
+                               const ExtentBorder& border, NearbyPages& pages) {
   return Around(region, extent, finest_height, above, border, pages).run();
 }
 

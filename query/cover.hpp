@@ -5,7 +5,7 @@
 
 #include "query/extent_border.hpp"
 #include "query/found.hpp"
-#include "query/page_walk.hpp"
+#include "query/nearby_pages.hpp"
 
 namespace talus {
 
@@ -19,6 +19,6 @@ struct VerticesAround {
 
 /// cost  in proportion to the triangles that the region's sides cut
 [[nodiscard]] VerticesAround vertices_around(GridRect region, GridRect extent, int finest_height,
-                                                     const Above& above, const ExtentBorder& border, PageWalk& pages);
+                                                     const Above& above, const ExtentBorder& border, NearbyPages& pages);
 
 }  // namespace talus

@@ -2,7 +2,6 @@
 // The selected vertices of pages on their way into an answer.
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include "query/kept_heights.hpp"

@@ -75,27 +75,18 @@ class IncrementQuery {
   }
 
   void select(const Page& page) {
-    const PageGrid& grid = page.grid;
-    const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
-    const auto first_unit = [&](std::int32_t v) { return static_cast<std::int32_t>((v + ceil) >> grid.shift); };
-    const std::int32_t first_col = std::max(first_unit(region_.first.col) - grid.first.col, 0);
-    const std::int32_t first_row = std::max(first_unit(region_.first.row) - grid.first.row, 0);
-    const std::int32_t last_col = std::min((region_.last.col >> grid.shift) - grid.first.col, grid.cols - 1);
-    const std::int32_t last_row = std::min((region_.last.row >> grid.shift) - grid.first.row, grid.rows - 1);
     found_.begin_page();
-    for (std::int32_t row = first_row; row <= last_row; ++row) {
-      for (std::int32_t col = first_col; col <= last_col; ++col) {
-        const std::size_t i = page.index(col, row);
-        const GridPoint p = grid.at(col, row);
-        if (!above_to_(page, i)) {
-          if (page.is_own(p) && !forced_.contains(p)) absent_.take(page, i);
-        } else if (!above_from_(page, i) && !forced_.contains(p)) {
-          levels_.take(page, i, p);
-          vertices_.insert(p);
-          found_.take(page, col, row);
-        }
+    for_each_in(page.grid, region_, [&](std::int32_t col, std::int32_t row) {
+      const std::size_t i = page.index(col, row);
+      const GridPoint p = page.grid.at(col, row);
+      if (!above_to_(page, i)) {
+        if (page.is_own(p) && !forced_.contains(p)) absent_.take(page, i);
+      } else if (!above_from_(page, i) && !forced_.contains(p)) {
+        levels_.take(page, i, p);
+        vertices_.insert(p);
+        found_.take(page, col, row);
       }
-    }
+    });
   }
 
   const StoredPages& pages_;

@@ -12,6 +12,8 @@ NearbyPages::NearbyPages(const StoredPages& pages, QueryCost& cost)
 
 const Page* NearbyPages::page(PageId id) { return page_at(place(id)); }
 
+const Page* NearbyPages::page_of_vertex(GridPoint p) { return page(page_of(p, band_of(p, pages_.manifest().bands))); }
+
 const Page* NearbyPages::page_at(Place& place) {
   if (!place.page && place.entry.present) place.page = pages_.shared(place.id, place.entry.generation, cost_);
   return place.page.get();

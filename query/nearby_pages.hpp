@@ -20,6 +20,8 @@ class NearbyPages {
   /// Until four other pages were asked for; null if it is not stored.
   /// fails  corrupt
   [[nodiscard]] const Page* page(PageId id);
+  /// The page where a vertex stands with its own height and error.
+  [[nodiscard]] const Page* page_of_vertex(GridPoint p);
 
  private:
   struct Place {

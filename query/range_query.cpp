@@ -80,12 +80,7 @@ class RangeQuery {
   /// Takes the page's own vertices whose error is above the tolerance, or that the border needs.
   void select(const Page& page) {
     const PageGrid& grid = page.grid;
-    const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
-    const auto first_unit = [&](std::int32_t v) { return static_cast<std::int32_t>((v + ceil) >> grid.shift); };
-    const std::int32_t first_col = std::max(first_unit(region_.first.col) - grid.first.col, 0);
-    const std::int32_t first_row = std::max(first_unit(region_.first.row) - grid.first.row, 0);
-    const std::int32_t last_col = std::min((region_.last.col >> grid.shift) - grid.first.col, grid.cols - 1);
-    const std::int32_t last_row = std::min((region_.last.row >> grid.shift) - grid.first.row, grid.rows - 1);
+    const auto [first, last] = samples_in(grid, region_);
     const bool forced = is_forced(page.id);
     found_.begin_page();
     const ErrorCode threshold = above_.code();
@@ -95,8 +90,8 @@ class RangeQuery {
     const auto look = [&](auto&& distance_of, auto largest_within) {
       auto largest_absent = largest_within;
       largest_absent = -1;
-      for (std::int32_t row = first_row; row <= last_row; ++row) {
-        for (std::int32_t col = first_col; col <= last_col; ++col) {
+      for (std::int32_t row = first.row; row <= last.row; ++row) {
+        for (std::int32_t col = first.col; col <= last.col; ++col) {
           const std::size_t i = page.index(col, row);
           const ErrorCode code = page.errors[i];
           const auto distance = distance_of(i);

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <optional>
 #include <unordered_set>
 
 #include "engine/border.hpp"
 #include "engine/construction.hpp"
 #include "query/cover.hpp"
 #include "query/found.hpp"
-#include "query/page_walk.hpp"
+#include "query/nearby_pages.hpp"
 
 namespace talus {
 namespace {
@@ -37,19 +36,23 @@ class Selection {
         above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
         finest_height_(std::max(0, finest_level(extent_) - question.max_level)),
         cost_(pages.cost_of_header()),
-        walk_(pages, cost_),
+        nearby_(pages, cost_),
         found_(pages, cost_),
         marked_(static_cast<std::size_t>(pages.manifest().bands)) {}
 
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
     choose_forced();
-    for (const PageId top : pages_of_band(pages_.manifest().bands - 1, extent_)) choose(top);
+    const Manifest& manifest = pages_.manifest();
+    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+    for (std::size_t i = 0; i < tops.size(); ++i) {
+      if (overlap(page_square(tops[i]), question_.region)) choose(tops[i], manifest.top_generations[i]);
+    }
     for (const GridPoint p : question_.points) vertices_.insert(p);
     // A tolerance above all errors of one level selects a closed set; these may not.
     if (question_.field || !question_.points.empty()) close_bottom_up(vertices_, root_);
     mark_pages();
-    for (const PageId top : pages_of_band(pages_.manifest().bands - 1, extent_)) gather(top);
+    for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
     Answer answer;
     answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
     answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
@@ -73,7 +76,7 @@ class Selection {
       needed = border_vertices(question_.region, root_);
     } else {
       const ExtentBorder& border = pages_.extent_border();
-      VerticesAround outside = vertices_around(question_.region, extent_, finest_height_, above_, border, walk_);
+      VerticesAround outside = vertices_around(question_.region, extent_, finest_height_, above_, border, nearby_);
       for (const GridPoint p : outside.corners) {
         window = {{std::min(window.first.col, p.col), std::min(window.first.row, p.row)},
                   {std::max(window.last.col, p.col), std::max(window.last.row, p.row)}};
@@ -112,27 +115,16 @@ class Selection {
     return error > kept_above_ && error > limit_in(around({p, p}, spacing(p)));
   }
 
-  /// The samples of a page in the region, by page-relative column and row.
+  /// The page's own vertices in a rectangle, by page-relative column and row.
   template <class Visit>
-  void for_each_own(const Page& page, GridRect in, Visit&& visit) const {
-    const PageGrid& grid = page.grid;
-    const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
-    const auto first_unit = [&](std::int32_t v) { return static_cast<std::int32_t>((v + ceil) >> grid.shift); };
-    const std::int32_t first_col = std::max(first_unit(in.first.col) - grid.first.col, 0);
-    const std::int32_t first_row = std::max(first_unit(in.first.row) - grid.first.row, 0);
-    const std::int32_t last_col = std::min((in.last.col >> grid.shift) - grid.first.col, grid.cols - 1);
-    const std::int32_t last_row = std::min((in.last.row >> grid.shift) - grid.first.row, grid.rows - 1);
-    for (std::int32_t row = first_row; row <= last_row; ++row) {
-      for (std::int32_t col = first_col; col <= last_col; ++col) {
-        if (page.is_own(grid.at(col, row))) visit(col, row);
-      }
-    }
+  static void for_each_own(const Page& page, GridRect in, Visit&& visit) {
+    for_each_in(page.grid, in, [&](std::int32_t col, std::int32_t row) {
+      if (page.is_own(page.grid.at(col, row))) visit(col, row);
+    });
   }
 
-  void choose(PageId id) {
-    if (!overlap(page_square(id), question_.region)) return;
-    const std::shared_ptr<const Page> page = walk_.find(id);
-    if (page == nullptr) return;
+  void choose(PageId id, std::uint32_t generation) {
+    const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
     for_each_own(*page, question_.region, [&](std::int32_t col, std::int32_t row) {
       const GridPoint p = page->grid.at(col, row);
       const std::size_t i = page->index(col, row);
@@ -147,7 +139,7 @@ class Selection {
       const PageId child = child_page(id, i);
       const ChildEntry& entry = page->children[i];
       if (is_worth_reading(child, entry) && is_fine_enough(child)) {
-        choose(child);
+        choose(child, entry.generation);
       } else if (entry.present && overlap(page_square(child), question_.region)) {
         absent_.code = std::max(absent_.code, entry.largest);
       }
@@ -171,16 +163,16 @@ class Selection {
     vertices_.for_each(mark);
   }
 
-  void gather(PageId id) {
+  void gather(PageId id, std::uint32_t generation) {
     if (!marked_[static_cast<std::size_t>(id.band)].contains(curve_position(id))) return;
-    const std::shared_ptr<const Page> page = walk_.find(id);
-    if (page == nullptr) return;
+    const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
     found_.begin_page();
     for_each_own(*page, vertices_.region(), [&](std::int32_t col, std::int32_t row) {
       if (vertices_.contains(page->grid.at(col, row))) found_.take(*page, col, row);
     });
     for (std::size_t i = 0; i < page->children.size(); ++i) {
-      if (page->children[i].present) gather(child_page(id, i));
+      const ChildEntry& child = page->children[i];
+      if (child.present) gather(child_page(id, i), child.generation);
     }
   }
 
@@ -193,7 +185,7 @@ class Selection {
   Above above_;
   int finest_height_;  ///< log2 of the smallest spacing that max_level allows
   QueryCost cost_;
-  PageWalk walk_;
+  NearbyPages nearby_;
   FoundVertices found_;
   VertexMask vertices_;
   std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs

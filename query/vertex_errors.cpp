@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "query/page_walk.hpp"
+#include "query/nearby_pages.hpp"
 #include "query/question.hpp"
 
 namespace talus {
@@ -13,9 +13,9 @@ std::vector<double> vertex_errors(const StoredPages& pages, const RestrictedQuad
   require_inside(pages, answer.vertices.region());
   errors.reserve(answer.vertices.size());
   QueryCost unused;
-  PageWalk walk(pages, unused);  // rows of vertices come back to the same pages: the cache has them
+  NearbyPages nearby(pages, unused);  // rows of vertices come back to the same pages: the cache has them
   answer.vertices.for_each([&](GridPoint p) {
-    const std::shared_ptr<const Page> page = walk.find(p);
+    const Page* page = nearby.page_of_vertex(p);
     if (page == nullptr) {
       throw Failure(Cause::corrupt, fmt::format("corrupt: {}: no page has the error of the vertex at column {}, row {}",
                                                 pages.file().string(), p.col, p.row));
