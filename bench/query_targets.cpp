@@ -281,18 +281,9 @@ double drop(const fs::path& file) {
   return share;
 }
 
-/// range() reads and decodes its pages anew whatever is kept, so warm is what it takes.
-void BM_Window_Warm(benchmark::State& state) {
-  const auto file = kept(kSwiss);
-  if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(mesh(now, kSwissWindow, Metres{static_cast<double>(state.range(0))}).points.data());
-}
-BENCHMARK(BM_Window_Warm)->ArgName("tolerance_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
-
-/// The same asked again with room for every page. `pages_cached` says whether that was of use.
-void BM_Window_Hot(benchmark::State& state) {
+/// Asked again with room for every page; warm is BM_WindowSwiss_Warm. `pages_cached` says
+/// whether that was of use.
+void BM_WindowSwiss_Hot(benchmark::State& state) {
   const auto file = kept(kSwiss);
   if (!file) return state.SkipWithError(kNoModels);
   const Snapshot now = Database::open(*file, {.cache_bytes = kRoomForAll}).snapshot();
@@ -301,10 +292,10 @@ void BM_Window_Hot(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(mesh(now, kSwissWindow, tolerance).points.data());
   state.counters["pages_cached"] = static_cast<double>(now.range(kSwissWindow, tolerance).cost.pages_cached);
 }
-BENCHMARK(BM_Window_Hot)->ArgName("tolerance_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowSwiss_Hot)->ArgName("tolerance_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 
 /// A question that uses kept pages: the same window with one sample asked for by name. Hot, or nothing kept.
-void BM_WindowWithPoint(benchmark::State& state) {
+void BM_WindowSwissWithPoint(benchmark::State& state) {
   const auto file = kept(kSwiss);
   if (!file) return state.SkipWithError(kNoModels);
   const Snapshot now = Database::open(*file, {.cache_bytes = state.range(1) != 0 ? kRoomForAll : 0}).snapshot();
@@ -319,14 +310,14 @@ void BM_WindowWithPoint(benchmark::State& state) {
   for (auto _ : state) cached = work();
   state.counters["pages_cached"] = static_cast<double>(cached);
 }
-BENCHMARK(BM_WindowWithPoint)
+BENCHMARK(BM_WindowSwissWithPoint)
     ->ArgNames({"tolerance_m", "hot"})
     ->ArgsProduct({{1, 5, 20}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
 /// The file is dropped from the system's cache, then opened, then asked: all of that is the time, by the clock.
 /// `still_there` is the share of the file that the system kept; what lies below it, a virtual disk, may remember, too.
-void BM_Window_Cold(benchmark::State& state) {
+void BM_WindowSwiss_Cold(benchmark::State& state) {
   const auto file = kept(kSwiss);
   if (!file) return state.SkipWithError(kNoModels);
   const Metres tolerance{static_cast<double>(state.range(0))};
@@ -344,7 +335,7 @@ void BM_Window_Cold(benchmark::State& state) {
   state.counters["processor_ms"] = 1000 * (opened.by_processor() + asked.by_processor());
   state.counters["still_there"] = still_there;
 }
-BENCHMARK(BM_Window_Cold)
+BENCHMARK(BM_WindowSwiss_Cold)
     ->ArgName("tolerance_m")
     ->Arg(1)
     ->Arg(5)

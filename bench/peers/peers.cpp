@@ -146,20 +146,32 @@ class Peers {
     return dataset;
   }
 
-  std::string write_floats(const std::string& file) {
-    const SampleWindow samples = truth_.read(window_);
+  struct Filled {
     std::vector<float> heights;
     std::size_t voids = 0;
+  };
+  /// What martini is given, which knows no voids.
+  [[nodiscard]] Filled filled() const {
+    const SampleWindow samples = truth_.read(window_);
+    Filled all;
+    float last = 0;
     for (std::size_t i = 0; i < samples.values.size(); ++i) {
-      if (samples.valid[i] == 0) ++voids;
-      heights.push_back(samples.valid[i] != 0 ? static_cast<float>(samples.values[i])
-                        : heights.empty()     ? 0
-                                              : heights.back());
+      if (samples.valid[i] != 0) {
+        last = static_cast<float>(samples.values[i]);
+      } else {
+        ++all.voids;
+      }
+      all.heights.push_back(last);
     }
+    return all;
+  }
+
+  [[nodiscard]] std::string write_floats(const std::string& file) const {
+    const Filled all = filled();
     std::ofstream(file, std::ios::binary)
-        .write(reinterpret_cast<const char*>(heights.data()),
-               static_cast<std::streamsize>(heights.size() * sizeof(float)));
-    return fmt::format("{}", voids);
+        .write(reinterpret_cast<const char*>(all.heights.data()),
+               static_cast<std::streamsize>(all.heights.size() * sizeof(float)));
+    return fmt::format("{}", all.voids);
   }
 
   /// Counts of vertices and triangles in 32 bits, then columns and rows in 16, then triangles in 32.
@@ -175,11 +187,11 @@ class Peers {
     file.read(reinterpret_cast<char*>(mesh.triangles.data()),
               static_cast<std::streamsize>(mesh.triangles.size() * sizeof mesh.triangles[0]));
     if (!file) throw Failure(Cause::io, name + ": no mesh");
-    const SampleWindow samples = truth_.read(window_);
+    const Filled all = filled();
     for (std::size_t i = 0; i < counts[0]; ++i) {
-      const GridPoint p{window_.first.col + places[2 * i], window_.first.row + places[2 * i + 1]};
-      mesh.points.push_back(p);
-      mesh.heights.push_back(samples.values[samples.index(p)]);
+      const std::int32_t col = places[2 * i], row = places[2 * i + 1];
+      mesh.points.push_back({window_.first.col + col, window_.first.row + row});
+      mesh.heights.push_back(all.heights[static_cast<std::size_t>(row * kSide + col)]);
     }
     return mesh;
   }

@@ -51,10 +51,12 @@ def bring_martini(folder):
         if not shutil.which("npm"):
             print("martini is skipped: there is no npm to bring it")
             return None
-        brought = subprocess.run(["npm", "install", "--prefix", str(folder), "--ignore-scripts", "--no-audit", "--no-fund",
-                                  MARTINI], capture_output=True, text=True)
+        command = ["npm", "install", "--prefix", str(folder), "--ignore-scripts", "--no-audit", "--no-fund",
+                   "--fetch-retries=1", MARTINI]
+        brought = subprocess.run(command, capture_output=True, text=True)
         if brought.returncode != 0 or not module.exists():
-            print("martini is skipped: npm could not bring it:", (brought.stderr.strip().splitlines() or ["?"])[-1])
+            errors = [line for line in brought.stderr.splitlines() if "error" in line]
+            print("martini is skipped: npm could not bring it:", "; ".join(errors[:2]))
             return None
     return module
 
