@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "app/answers.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/increment.hpp"
@@ -23,7 +24,7 @@ struct Request {
   std::int32_t snap = 1;
   int max_level = -1;
   Budget budget;
-  std::vector<std::string> outputs;
+  std::vector<std::string> outputs, neighbours;
   bool json = false;
 };
 
@@ -45,8 +46,18 @@ std::string why_empty(GridRect region) {
 std::string why_coarser(const Description& d, Metres tolerance) {
   const double finest = std::max(d.lossy_metres, d.finest_tolerance);
   if (tolerance.value >= finest) return "";
-  return fmt::format("the finest there is: {}", d.finest_tolerance > 0 ? fmt::format("ingest kept the vertices of {} m", finest)
-                                                                       : fmt::format("ingest rounded heights by up to {} m", finest));
+  return fmt::format("the finest there is: {}", d.finest_tolerance > 0
+                                                    ? fmt::format("ingest kept the vertices of {} m", finest)
+                                                    : fmt::format("ingest rounded heights by up to {} m", finest));
+}
+
+std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& files) {
+  std::vector<RestrictedQuadtree> neighbours;
+  for (const std::string& file : files) {
+    Stream stream = read_stream(file);
+    neighbours.push_back(answer_of(stream, file));
+  }
+  return neighbours;
 }
 
 Question question_of(const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle) {
@@ -56,9 +67,12 @@ Question question_of(const Request& request, const Snapshot& now, const std::opt
   question.border = parse_border(request.border);
   if (request.max_level >= 0) question.max_level = request.max_level;
   if (request.tolerance.empty()) {
-    if (question.border != Border::constrain || !request.focus.empty() || request.max_level >= 0) {
-      throw Failure(Cause::invalid_argument,
-                    "a budget finds the tolerance of a constrained border: without --focus, --max-level and other borders");
+    if (question.border != Border::constrain || !request.focus.empty() || request.max_level >= 0 ||
+        !request.neighbours.empty()) {
+      throw Failure(
+          Cause::invalid_argument,
+          "a budget finds the tolerance of a constrained border: without --focus, --max-level, --match and other "
+          "borders");
     }
     question.tolerance = now.tolerance_for(question.region, request.budget);
   } else {
@@ -71,44 +85,50 @@ Question question_of(const Request& request, const Snapshot& now, const std::opt
   return question;
 }
 
-/// An .rqt file says one tolerance and one region, from which its reader knows the border.
-void require_plain_for_streams(const Request& request) {
-  const bool is_plain = request.border == "constrain" && request.focus.empty() && request.max_level < 0;
+/// An .rqt file holds a quadtree, and what goes on from one holds what its tolerance alone selects.
+void require_fit_for_streams(const Request& request) {
   for (const std::string& output : request.outputs) {
-    if (is_plain || std::filesystem::path(output).extension() != ".rqt") continue;
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("--output {}: an .rqt file holds an answer of one tolerance with a constrained border, without "
-                              "--border, --focus and --max-level",
-                              output));
+    if (!is_stream_file(output) || parse_border(request.border) != Border::clip) continue;
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("--output {}: an .rqt file holds a quadtree, and --border clip cuts its mesh; ask with --border "
+                    "cover, or for a .ply or .obj",
+                    output));
   }
+  const bool is_plain =
+      request.border == "constrain" && request.focus.empty() && request.max_level < 0 && request.neighbours.empty();
   if (is_plain || request.from.empty()) return;
-  throw Failure(Cause::invalid_argument, "--from goes on from an answer of one tolerance with a constrained border, without "
-                                         "--border, --focus and --max-level");
+  throw Failure(Cause::invalid_argument,
+                "--from goes on from an answer of one tolerance with a constrained border, without "
+                "--border, --focus, --max-level and --match");
 }
 
 Exit run(const Request& request) {
   const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
   if (request.tolerance.empty() != has_budget)
-    throw Failure(Cause::invalid_argument, "expected --tolerance M, or a budget instead: --max-vertices, --max-triangles");
+    throw Failure(Cause::invalid_argument,
+                  "expected --tolerance M, or a budget instead: --max-vertices, --max-triangles");
   // What is misspelt is said before a file is opened.
   if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
   static_cast<void>(parse_border(request.border));
   if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
-  require_plain_for_streams(request);
+  require_fit_for_streams(request);
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
   for (const std::string& output : request.outputs) check_output(output, request.database);
 
+  const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
   const Snapshot now = Database::open(request.database).snapshot();
   const Description& description = now.description();
   const auto start = std::chrono::steady_clock::now();
-  const Question question = question_of(request, now, rectangle);
+  Question question = question_of(request, now, rectangle);
   const Metres tolerance = question.tolerance;
   if (!request.from.empty()) {
     return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, request.outputs,
                            request.json);
   }
+  for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
   const Answer answer = now.ask(question);
   Mesh mesh = triangulate(answer.quadtree);
   if (question.border == Border::clip && rectangle) mesh = clip_mesh(mesh, now.frame(*rectangle));
@@ -123,6 +143,8 @@ Exit run(const Request& request) {
                {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},
                {"border_vertices", answer.border_vertices},
+               {"matching_vertices", answer.matching_vertices},
+               {"unmatched_vertices", answer.unmatched.size()},
                {"pages_read", answer.cost.pages_read},
                {"bytes_read", answer.cost.bytes_read},
                {"seconds", seconds},
@@ -134,9 +156,17 @@ Exit run(const Request& request) {
   table.add("tolerance", metres(tolerance.value));
   table.add("bound", metres(answer.quadtree.bound.value));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
-  table.add("mesh",
-            fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
-  table.add("border", fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
+  table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
+  table.add("border",
+            fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
+  if (!neighbours.empty())
+    table.add("match", fmt::format("{} of the vertices are for neighbours alone", counted(answer.matching_vertices)));
+  if (!answer.unmatched.empty()) {
+    table.add("",
+              fmt::format("{} vertices on shared sides are not in the neighbours: ask for those again with --match, or "
+                          "there are cracks",
+                          counted(answer.unmatched.size())));
+  }
   if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));
   table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
                                 sized(answer.cost.bytes_read)));
@@ -152,8 +182,7 @@ void add_query(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
   command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
-  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")
-      ->option_text("M");
+  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M");
   command->add_option("--from", request->from, "What an answer at this tolerance lacks, as an increment for merge")
       ->option_text("M");
   command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
@@ -162,17 +191,34 @@ void add_query(CLI::App& program, Action& action) {
                    "constrain: the rectangle's sides are mesh edges; cover: whole triangles that reach\n"
                    "beyond; clip: those, cut at the rectangle as it was asked for")
       ->option_text("constrain|cover|clip");
-  command->add_option("--snap", request->snap, "Grow the rectangle to multiples of N samples; 16 needs fewest border vertices")
+  command
+      ->add_option("--snap", request->snap,
+                   "Grow the rectangle to multiples of N samples; 16 needs fewest border vertices")
       ->option_text("N [1]");
-  command->add_option("--max-level", request->max_level, "No vertex finer than this level, 0 the coarsest; the bound says what it costs")
+  command
+      ->add_option("--max-level", request->max_level,
+                   "No vertex finer than this level, 0 the coarsest; the bound says what it costs")
       ->option_text("L");
-  command->add_option("--max-vertices", request->budget.vertices, "Instead of a tolerance: the smallest whose answer has at most N")
+  command
+      ->add_option("--max-vertices", request->budget.vertices,
+                   "Instead of a tolerance: the smallest whose answer has at most N")
       ->option_text("N");
   command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")->option_text("N");
   command
       ->add_option("--focus", request->focus,
                    "The tolerance is M at a point and grows by so many metres with each metre from it")
       ->option_text("=X,Y,METRES_PER_METRE");
+  command
+      ->add_option("--match", request->neighbours,
+                   "An answer of another rectangle with the same side, or part of one: its vertices there\n"
+                   "become vertices here, so that the two meet at any tolerances. Ask for the finer one\n"
+                   "first; repeat it for more neighbours than one")
+      ->option_text("NEIGHBOUR.rqt ...")
+      ->check(is_named)
+      ->type_size(1)
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
       ->add_option("-o,--output", request->outputs,
                    "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
@@ -196,7 +242,9 @@ void add_query(CLI::App& program, Action& action) {
       "\nExample:\n"
       "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png\n"
       "  talus query alps.talus --max-triangles 100000 -o overview.ply\n"
-      "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply");
+      "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply\n"
+      "  talus query alps.talus --tolerance 1 --bbox=7.5,45.9,7.7,46.1 -o west.ply -o west.rqt\n"
+      "  talus query alps.talus --tolerance 20 --bbox=7.7,45.9,7.9,46.1 --match west.rqt -o east.ply");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

@@ -2,12 +2,12 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "app/answers.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/outputs.hpp"
@@ -45,15 +45,6 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
   for (const std::string& output : request.outputs) table.add("output", output);
   print(table);
   return Exit::done;
-}
-
-/// A stream that is an answer.
-RestrictedQuadtree answer_of(Stream& stream, const std::string& file) {
-  if (auto* answer = std::get_if<RestrictedQuadtree>(&stream.content)) return std::move(*answer);
-  const auto& increment = std::get<Increment>(stream.content);
-  throw Failure(Cause::invalid_argument,
-                fmt::format("{} is an increment, from {} m to {} m, and no answer: merge it into one first", file,
-                            increment.from.value, increment.added.tolerance.value));
 }
 
 Exit run_merge(const Request& request) {

@@ -8,8 +8,8 @@
 #include "engine/triangulation.hpp"
 #include "query/budget.hpp"
 #include "query/heights.hpp"
-#include "query/profile.hpp"
 #include "query/increment.hpp"
+#include "query/profile.hpp"
 #include "query/question.hpp"
 #include "query/selection.hpp"
 #include "query/snapshot_view.hpp"
@@ -119,11 +119,18 @@ Identity Snapshot::identity() const { return view_->pages.identity(); }
 Answer Snapshot::ask(const Question& question) const {
   require_sense(view_->pages, question);
   const bool is_plain = question.border == Border::constrain && !question.field && question.points.empty() &&
-                        question.max_level >= finest_level(description().extent);
+                        question.neighbours.empty() && question.max_level >= finest_level(description().extent);
   if (is_plain) return range_query(view_->pages, question.region, question.tolerance);
-  Answer answer = select_and_gather(view_->pages, question);
-  answer.quadtree.origin = {view_->pages.identity(), question.border, false};
-  return answer;
+  return select_and_gather(view_->pages, question);
+}
+
+std::vector<Answer> Snapshot::ask_together(std::span<const Question> patches) const {
+  for (const Question& question : patches) {
+    require_sense(view_->pages, question);
+    if (question.border != Border::constrain)
+      throw Failure(Cause::invalid_argument, "patches that meet in vertices have constrained borders");
+  }
+  return select_and_gather(view_->pages, patches);
 }
 
 Metres Snapshot::tolerance_for(GridRect region, const Budget& budget) const {

@@ -8,6 +8,7 @@
 
 #include "engine/grid.hpp"
 #include "query/ground.hpp"
+#include "query/matching.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -80,11 +81,12 @@ std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, doub
   if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
     refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));
   const Ground ground(d.crs_wkt);
-  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}), down = ground.metres({x, y}, {x, y + d.mapping.dy});
+  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
+               down = ground.metres({x, y}, {x, y + d.mapping.dy});
   if (!(right > 0) || !(down > 0))
     refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
-  return std::make_shared<FocusTolerance>((x - d.mapping.x0) / d.mapping.dx, (y - d.mapping.y0) / d.mapping.dy, right, down,
-                                          metres_per_metre, at_focus.value);
+  return std::make_shared<FocusTolerance>((x - d.mapping.x0) / d.mapping.dx, (y - d.mapping.y0) / d.mapping.dy, right,
+                                          down, metres_per_metre, at_focus.value);
 }
 
 std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
@@ -113,7 +115,9 @@ GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {
            within(up(region.last.row), extent.first.row, extent.last.row)}};
 }
 
-int finest_level(GridRect extent) { return std::max(0, std::countr_zero(static_cast<std::uint32_t>(root_side(extent))) - 1); }
+int finest_level(GridRect extent) {
+  return std::max(0, std::countr_zero(static_cast<std::uint32_t>(root_side(extent))) - 1);
+}
 
 void require_inside(const StoredPages& pages, GridRect region) {
   const GridRect& extent = pages.manifest().description.extent;
@@ -129,18 +133,40 @@ void require_tolerance(Metres tolerance) {
     refuse(fmt::format("tolerance {} m: expected a number of metres, 0 or more", tolerance.value));
 }
 
+namespace {
+
+void require_neighbour(const StoredPages& pages, GridRect region, const RestrictedQuadtree& neighbour) {
+  if (neighbour.origin.identity != pages.identity())
+    refuse("a neighbour is the answer of another database, or of another state of it: ask for it anew");
+  if (neighbour.origin.border != Border::constrain)
+    refuse("a neighbour's border is not constrained: nothing can meet it in vertices");
+  const GridRect& other = neighbour.region;
+  if (!(neighbour.vertices.region() == other)) refuse("a neighbour's vertices are not those of its region");
+  if (!shared_sides(region, other).empty()) return;
+  refuse(fmt::format(
+      "the neighbour of columns {} to {}, rows {} to {} shares no side with the region of columns {} to {}, "
+      "rows {} to {}",
+      other.first.col, other.last.col, other.first.row, other.last.row, region.first.col, region.last.col,
+      region.first.row, region.last.row));
+}
+
+}  // namespace
+
 void require_sense(const StoredPages& pages, const Question& question) {
   require_inside(pages, question.region);
   require_tolerance(question.tolerance);
   if (question.max_level < 0) refuse(fmt::format("largest level {}: expected 0 or more", question.max_level));
-  if (question.border != Border::constrain && (question.field || !question.points.empty()))
-    refuse("a tolerance that varies, or points of interest, go with a constrained border only");
+  if (question.border != Border::constrain &&
+      (question.field || !question.points.empty() || !question.neighbours.empty()))
+    refuse("a tolerance that varies, points of interest and neighbours go with a constrained border only");
   for (const GridPoint p : question.points) {
     if (question.region.contains(p)) continue;
-    refuse(fmt::format("point of interest at column {}, row {}: expected one in the region, columns {} to {}, rows {} to {}",
-                       p.col, p.row, question.region.first.col, question.region.last.col, question.region.first.row,
-                       question.region.last.row));
+    refuse(fmt::format(
+        "point of interest at column {}, row {}: expected one in the region, columns {} to {}, rows {} to {}", p.col,
+        p.row, question.region.first.col, question.region.last.col, question.region.first.row,
+        question.region.last.row));
   }
+  for (const RestrictedQuadtree* neighbour : question.neighbours) require_neighbour(pages, question.region, *neighbour);
 }
 
 }  // namespace talus

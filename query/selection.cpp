@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <memory>
 #include <unordered_set>
 
 #include "engine/border.hpp"
 #include "engine/construction.hpp"
 #include "query/cover.hpp"
 #include "query/found.hpp"
+#include "query/matching.hpp"
 #include "query/nearby_pages.hpp"
 
 namespace talus {
@@ -23,6 +25,19 @@ GridRect cut(GridRect a, GridRect b) {
 GridRect around(GridRect r, std::int32_t reach) {
   return {{r.first.col - reach, r.first.row - reach}, {r.last.col + reach, r.last.row + reach}};
 }
+
+/// Adds the time of a step to what the question costs.
+class Stopwatch {
+ public:
+  explicit Stopwatch(QueryCost& cost) : cost_(cost) {}
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+  ~Stopwatch() { cost_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count(); }
+
+ private:
+  QueryCost& cost_;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
 
 class Selection {
  public:
@@ -40,8 +55,9 @@ class Selection {
         found_(pages, cost_),
         marked_(static_cast<std::size_t>(pages.manifest().bands)) {}
 
-  Answer run() {
-    const auto started = std::chrono::steady_clock::now();
+  /// What the question asks for by itself.
+  void choose() {
+    const Stopwatch running(cost_);
     choose_forced();
     const Manifest& manifest = pages_.manifest();
     const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
@@ -51,22 +67,59 @@ class Selection {
     for (const GridPoint p : question_.points) vertices_.insert(p);
     // A tolerance above all errors of one level selects a closed set; these may not.
     if (question_.field || !question_.points.empty()) close_bottom_up(vertices_, root_);
-    mark_pages();
-    for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
+  }
+
+  [[nodiscard]] const GridRect& region() const { return question_.region; }
+  [[nodiscard]] const VertexMask& vertices() const { return vertices_; }
+
+  /// Takes what a neighbour has on shared sides, with all it depends on. Returns whether there was anything new.
+  bool match(GridRect neighbour, const VertexMask& its_vertices) {
+    const Stopwatch running(cost_);
+    std::uint64_t added = 0;
+    for_each_on_shared_sides(its_vertices, neighbour, question_.region, [&](GridPoint p) {
+      if (vertices_.contains(p)) return;
+      vertices_.insert(p);
+      ++added;
+    });
+    if (added == 0) return false;
+    matching_ += added + close_bottom_up(vertices_, root_);
+    return true;
+  }
+
+  /// Once all is chosen.
+  Answer gather() {
     Answer answer;
-    answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
-    answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
-    answer.quadtree.bound = bound_of(pages_, absent_, largest_tolerance());
-    answer.border_vertices = forced_alone_;
+    {
+      const Stopwatch running(cost_);
+      gather_into(answer);
+    }
     answer.cost = cost_;
-    answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     return answer;
   }
 
  private:
+  void gather_into(Answer& answer) {
+    mark_pages();
+    const Manifest& manifest = pages_.manifest();
+    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+    for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
+    answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
+    answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
+    answer.quadtree.bound = bound_of(pages_, absent_, largest_tolerance());
+    answer.quadtree.origin = {pages_.identity(), question_.border, false};
+    answer.border_vertices = forced_alone_;
+    answer.matching_vertices = matching_;
+    for (const RestrictedQuadtree* neighbour : question_.neighbours) {
+      for_each_on_shared_sides(answer.quadtree.vertices, question_.region, neighbour->region, [&](GridPoint p) {
+        if (!neighbour->vertices.contains(p)) answer.unmatched.push_back(p);
+      });
+    }
+  }
+
   [[nodiscard]] double largest_tolerance() const {
     const bool by_tolerance = !question_.field && finest_height_ == 0;
-    return by_tolerance ? std::max(kept_above_, question_.tolerance.value - lossy_) : std::numeric_limits<double>::infinity();
+    return by_tolerance ? std::max(kept_above_, question_.tolerance.value - lossy_)
+                        : std::numeric_limits<double>::infinity();
   }
 
   void choose_forced() {
@@ -111,7 +164,8 @@ class Selection {
   [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
     if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;
     if (!question_.field) return above_(page, i);
-    const double error = page.is_implied(i) ? pages_.distance().metres(page.implied_distance(i)) : error_of(page.errors[i]);
+    const double error =
+        page.is_implied(i) ? pages_.distance().metres(page.implied_distance(i)) : error_of(page.errors[i]);
     return error > kept_above_ && error > limit_in(around({p, p}, spacing(p)));
   }
 
@@ -189,12 +243,42 @@ class Selection {
   FoundVertices found_;
   VertexMask vertices_;
   std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
+  std::uint64_t matching_ = 0;      ///< vertices that only neighbours need
   LargestAbsent absent_;
   std::vector<std::unordered_set<std::uint64_t>> marked_;  ///< by band, positions on the curve
 };
 
 }  // namespace
 
-Answer select_and_gather(const StoredPages& pages, const Question& question) { return Selection(pages, question).run(); }
+// The vertices of a region are closed on the whole grid, so what a side's vertices depend on along that side is the
+// same from either region: the union of both closures has on the side just the union of theirs, and one exchange is
+// enough for two regions. A third may share another side, on which the closure has added something: hence the rounds.
+std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches) {
+  std::vector<std::unique_ptr<Selection>> chosen;
+  for (const Question& question : patches) {
+    chosen.push_back(std::make_unique<Selection>(pages, question));
+    chosen.back()->choose();
+    for (const RestrictedQuadtree* neighbour : question.neighbours)
+      chosen.back()->match(neighbour->region, neighbour->vertices);
+  }
+  for (bool is_settled = false; !is_settled;) {
+    is_settled = true;
+    for (const auto& one : chosen) {
+      for (const auto& other : chosen) {
+        if (one != other && one->match(other->region(), other->vertices())) is_settled = false;
+      }
+    }
+  }
+  std::vector<Answer> answers;
+  for (auto& one : chosen) {
+    answers.push_back(one->gather());
+    one.reset();
+  }
+  return answers;
+}
+
+Answer select_and_gather(const StoredPages& pages, const Question& question) {
+  return std::move(select_and_gather(pages, std::span(&question, 1)).front());
+}
 
 }  // namespace talus

@@ -1,6 +1,9 @@
 #pragma once
 // Questions that a tolerance and a constrained border alone do not answer: which vertices first, then their heights.
 
+#include <span>
+#include <vector>
+
 #include "query/stored_pages.hpp"
 #include "talus/database.hpp"
 
@@ -8,5 +11,8 @@ namespace talus {
 
 /// See Snapshot::ask. Looks at pages twice where range_query does once.
 [[nodiscard]] Answer select_and_gather(const StoredPages& pages, const Question& question);
+
+/// See Snapshot::ask_together.
+[[nodiscard]] std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches);
 
 }  // namespace talus

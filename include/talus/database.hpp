@@ -23,6 +23,10 @@ namespace talus {
 struct Answer {
   RestrictedQuadtree quadtree;
   std::uint64_t border_vertices = 0;  ///< of the quadtree, that only the border needs
+  std::uint64_t matching_vertices = 0;  ///< that came for neighbours alone, see Question::neighbours
+  /// Vertices on shared sides that a neighbour lacks: where there are any, the two meet with cracks until the neighbour is
+  /// asked again with this answer as its neighbour.
+  std::vector<GridPoint> unmatched = {};
   QueryCost cost;
 };
 
@@ -102,10 +106,19 @@ class Snapshot {
   /// A field's answer holds every covered sample within its own tolerance: a vertex is left out only if its error is
   /// within the least tolerance of its diamond. Two such answers need not meet.
   ///
-  /// fails  as range; invalid_argument: a point outside the region, a level below 0, a field with another border than
-  ///        constrain
+  /// fails  as range; invalid_argument: a point outside the region, a level below 0, a field or neighbours with another
+  ///        border than constrain, a neighbour of another database or state, or one that shares no side
   /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
   [[nodiscard]] Answer ask(const Question& question) const;
+
+  /// Several questions whose answers meet without a crack wherever two of the regions share a side or a part of one, at
+  /// whatever tolerances and however thin they are: vertices there are shared, back and forth until none is missing.
+  ///
+  /// returns  answers in the order of the questions, none with anything unmatched but by neighbours of its own
+  /// fails    as ask; invalid_argument: another border than constrain
+  /// cost     that of ask for each question, and the vertices of all at once
+  /// source   [P98 §9]
+  [[nodiscard]] std::vector<Answer> ask_together(std::span<const Question> patches) const;
 
   /// The smallest tolerance on the ladder of stored errors (engine/error_ladder.hpp) whose answer
   /// with a constrained border fits a budget. Exact, and without trial: pages with the largest errors are counted first,

@@ -10,6 +10,8 @@
 
 namespace talus {
 
+struct RestrictedQuadtree;
+
 /// Where an answer ends.
 enum class Border {
   constrain,  ///< at the region's sides, which are mesh edges: answers at one tolerance meet there
@@ -54,6 +56,10 @@ struct Question {
   int max_level = 31;
   /// Samples of the region that must be vertices, whatever their error.
   std::vector<GridPoint> points = {};
+  /// Answers that this one is to meet, each where it shares a side or a part of one with the region: its vertices there
+  /// become vertices here, with all they depend on. Whole answers of this state of the database with a constrained border;
+  /// they need to live as long as the call.
+  std::vector<const RestrictedQuadtree*> neighbours = {};
 };
 
 /// A region that grows outward to multiples of `samples` from grid point (0, 0), and ends with the extent: borders on

@@ -45,6 +45,35 @@ TEST_F(StreamCommands, MergedAnswersAreTheBytesOfTheAnswerAskedInOneGo) {
   }
 }
 
+TEST_F(StreamCommands, AnswersOfDifferentDetailMeetWhereOneMatchesTheOther) {
+  const char *west = "--bbox=450000,5197000,451455,5200000", *east = "--bbox=451455,5197000,453000,5200000";
+  must({"query", "a.talus", west, "--tolerance", "1", "-o", "west.rqt"});
+  const auto alone = json_of(must({"query", "a.talus", east, "--tolerance", "30", "--json"}));
+  const auto matched =
+      json_of(must({"query", "a.talus", east, "--tolerance", "30", "--match", "west.rqt", "-o", "east.rqt", "--json"}));
+  EXPECT_GT(matched["matching_vertices"], 0);
+  EXPECT_EQ(matched["unmatched_vertices"], 0);
+  EXPECT_GT(matched["triangles"], alone["triangles"]);
+  EXPECT_EQ(json_of(must({"convert", "east.rqt", "-o", "east.ply", "--json"}))["triangles"], matched["triangles"]);
+  // The other way round the neighbour lacks something, and the program says so.
+  must({"query", "a.talus", east, "--tolerance", "30", "-o", "coarse.rqt"});
+  const Outcome finer = must({"query", "a.talus", west, "--tolerance", "1", "--match", "coarse.rqt"});
+  EXPECT_NE(finer.out.find("are not in the neighbours"), std::string::npos) << finer.out;
+
+  EXPECT_EQ(talus({"query", "a.talus", west, "--tolerance", "1", "--match", "west.rqt"}).exit_code, usage);
+  EXPECT_EQ(talus({"query", "a.talus", east, "--max-vertices", "5000", "--match", "west.rqt"}).exit_code, usage);
+  EXPECT_EQ(talus({"query", "a.talus", east, "--tolerance", "1", "--border", "cover", "--match", "west.rqt"}).exit_code,
+            usage);
+  EXPECT_EQ(talus({"query", "a.talus", east, "--from", "5", "--tolerance", "1", "--match", "west.rqt"}).exit_code,
+            usage);
+  must({"query", "a.talus", west, "--from", "1", "--tolerance", "0.5", "-o", "delta.rqt"});
+  EXPECT_EQ(talus({"query", "a.talus", east, "--tolerance", "1", "--match", "delta.rqt"}).exit_code, usage);
+  must({"ingest", "--overwrite", "a.tif", "b.talus", "--height-step", "5"});
+  const Outcome other = talus({"query", "b.talus", east, "--tolerance", "30", "--match", "west.rqt"});
+  EXPECT_EQ(other.exit_code, usage);
+  EXPECT_NE(other.err.find("another database"), std::string::npos) << other.err;
+}
+
 TEST_F(StreamCommands, SayWhatTheyDidInJson) {
   const auto base = json_of(must({"query", "a.talus", "--tolerance", "20", "-o", "base.rqt", "--json"}));
   const auto delta = json_of(must({"query", "a.talus", "--from", "20", "--tolerance", "3", "-o", "d.rqt", "--json"}));
@@ -66,8 +95,10 @@ TEST_F(StreamCommands, RefuseWhatDoesNotFit) {
   must({"query", "a.talus", "--from", "20", "--tolerance", "3", "-o", "d.rqt"});
   must({"query", "a.talus", "--from", "10", "--tolerance", "3", "-o", "ten.rqt"});
   const auto before = contents();
-  expect_refusal(talus({"query", "a.talus", "--from", "3", "--tolerance", "20", "-o", "x.rqt"}), {usage}, {"3 m", "20 m"});
-  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "3", "-o", "x.ply"}), {usage}, {"--from", "x.ply", ".rqt"});
+  expect_refusal(talus({"query", "a.talus", "--from", "3", "--tolerance", "20", "-o", "x.rqt"}), {usage},
+                 {"3 m", "20 m"});
+  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "3", "-o", "x.ply"}), {usage},
+                 {"--from", "x.ply", ".rqt"});
   expect_refusal(talus({"query", "a.talus", "--from", "much", "--tolerance", "3"}), {usage}, {"--from", "much"});
   expect_refusal(talus({"query", "a.talus", "--from", "-3", "--tolerance", "3"}), {usage}, {"--from", "-3"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "3", "-o", "nowhere/x.rqt"}), {failed}, {"nowhere"});
