@@ -4,6 +4,8 @@
 #include <bit>
 #include <limits>
 
+#include "query/stopwatch.hpp"
+
 namespace talus {
 namespace {
 
@@ -37,6 +39,7 @@ Above::Above(double tolerance_m, const CodeDistance& distance)
       eighths_(largest_eighths_within(distance_)) {}
 
 RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices) {
+  const Stopwatch gathering(cost_.gathering_seconds);
   RestrictedQuadtree answer;
   answer.region = region;
   std::size_t count = 0;

@@ -64,7 +64,7 @@ class LargestByLevel {
 /// Collects vertices page by page, then makes a quadtree of them.
 class FoundVertices {
  public:
-  FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), kept_(pages, cost) {}
+  FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost), kept_(pages, cost) {}
 
   void begin_page() { pages_found_.emplace_back(); }
   /// An own vertex of the page that was begun.
@@ -87,6 +87,7 @@ class FoundVertices {
   };
 
   const StoredPages& pages_;
+  QueryCost& cost_;
   KeptHeights kept_;
   std::vector<OfPage> pages_found_;
 };

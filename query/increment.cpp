@@ -11,6 +11,7 @@
 
 #include "engine/border.hpp"
 #include "query/found.hpp"
+#include "query/page_fates.hpp"
 #include "query/question.hpp"
 
 namespace talus {
@@ -30,6 +31,7 @@ class IncrementQuery {
         vertices_(region),
         levels_(manifest_.description.extent),
         cost_(pages.cost_of_header()),
+        fates_(pages, region, cost_),
         found_(pages, cost_) {}
 
   Increment run() {
@@ -60,6 +62,7 @@ class IncrementQuery {
 
   void visit(PageId id, std::uint32_t generation) {
     const Page& page = pages_.get(id, generation, decoder_, cost_);
+    fates_.look_into(page, true);
     select(page);
     const std::vector<ChildEntry> children = page.children;  // the page's memory is the next page's
     for (std::size_t i = 0; i < children.size(); ++i) {
@@ -99,6 +102,7 @@ class IncrementQuery {
   LargestAbsent absent_;
   LargestByLevel levels_;
   QueryCost cost_;
+  PageFates fates_;
   FoundVertices found_;
 };
 

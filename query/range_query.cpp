@@ -7,6 +7,7 @@
 
 #include "engine/border.hpp"
 #include "query/found.hpp"
+#include "query/page_fates.hpp"
 #include "query/question.hpp"
 
 namespace talus {
@@ -25,6 +26,7 @@ class RangeQuery {
         vertices_(region),
         levels_(manifest_.description.extent),
         cost_(pages.cost_of_header()),
+        fates_(pages, region, cost_),
         found_(pages, cost_) {}
 
   Answer run() {
@@ -32,7 +34,7 @@ class RangeQuery {
     force_border();
     const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
     for (std::size_t i = 0; i < tops.size(); ++i) {
-      if (overlap(page_square(tops[i]), region_)) visit(tops[i], manifest_.top_generations[i]);
+      if (overlap(page_square(tops[i]), region_)) visit(tops[i], manifest_.top_generations[i], true);
     }
     Answer answer;
     answer.border_vertices = forced_alone_;
@@ -61,8 +63,9 @@ class RangeQuery {
   }
   [[nodiscard]] bool is_forced(PageId id) const { return forced_pages_.contains({id.band, curve_position(id)}); }
 
-  void visit(PageId id, std::uint32_t generation) {
+  void visit(PageId id, std::uint32_t generation, bool is_wanted) {
     const Page& page = pages_.get(id, generation, decoder_, cost_);
+    fates_.look_into(page, is_wanted);
     select(page);
     const std::vector<ChildEntry> children = page.children;  // the page's memory is the next page's
     for (std::size_t i = 0; i < children.size(); ++i) {
@@ -73,7 +76,7 @@ class RangeQuery {
       // be known then: so increments, which do not read it, have the same bound.
       const bool wanted = above_(entry.largest);
       if (!wanted) absent_.code = std::max(absent_.code, entry.largest);
-      if (wanted || is_forced(child)) visit(child, entry.generation);
+      if (wanted || is_forced(child)) visit(child, entry.generation, wanted);
     }
   }
 
@@ -143,6 +146,7 @@ class RangeQuery {
   LargestByLevel levels_;
   std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
   QueryCost cost_;
+  PageFates fates_;
   FoundVertices found_;
 };
 
