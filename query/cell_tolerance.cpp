@@ -109,6 +109,7 @@ Axis cells_of(double x0, double dx, std::int32_t first, std::int32_t last, doubl
   constexpr double kOnLine = 1e-6;
   const double sample = std::abs(dx / dc);  // in cells
   Axis axis;
+  if (last_cell < first_cell) return axis;
   for (std::int32_t v = first; v <= last; ++v) {
     const double at = (x0 + v * dx - c0) / dc + 0.5;  // in cells from the edge of cell 0
     if (!(at >= first_cell - sample - kOnLine && at <= last_cell + 1.0 + sample + kOnLine)) return {};

@@ -71,7 +71,7 @@ TEST_F(Explain, WorksForEveryKindOfQuestion) {
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   const GridRect all = now.description().extent;
   expect_bands(asked({"--from=40", "--tolerance=9"}), now.increment(all, Metres{40}, Metres{9}).cost);
-  const auto budget = asked({"--max-triangles=3000"});
+  const auto budget = asked({"--max-triangles=30000"});
   EXPECT_GT(budget["explain"]["search"]["pages_read"], 0);
   EXPECT_TRUE(budget["explain"]["seconds"].contains("find the tolerance"));
   const auto levels = asked({"--tolerance=0", "--max-level=4"});

@@ -73,11 +73,12 @@ TEST_F(Interest, ALineIsARowOfVertices) {
 }
 
 TEST_F(Interest, SaysHowManyVerticesAreForThemAlone) {
-  const auto without = asked({}), with = asked({"--point=450413,5199770", "--line=450765,5199235,451400,5199235"});
+  const std::vector<std::string> places{"--point=450413,5199770", "--line=450765,5199235,451400,5199235"};
+  const auto without = asked({}), with = asked(places);
   EXPECT_EQ(without["point_vertices"], 0);
-  EXPECT_EQ(with["point_vertices"], with["vertices"].get<int>() - without["vertices"].get<int>());
+  EXPECT_EQ(with["point_vertices"], answer(places).vertices.size() - answer({}).vertices.size());
   EXPECT_GT(with["void_points"], 0) << "the line begins amid the hole";
-  const Outcome text = query({"--point=450413,5199770", "--line=450765,5199235,451400,5199235"});
+  const Outcome text = query(places);
   EXPECT_THAT(text.out, HasSubstr("for them alone"));
   EXPECT_THAT(text.out, HasSubstr("have no data"));
   const auto only_void = asked({"--point=450765,5199235"});

@@ -31,7 +31,7 @@ std::map<Key, ErrorCode> largest_errors(const StoredPages& pages) {
   QueryCost unused;
   for (int band = 0; band < manifest.bands; ++band) {
     for (const PageId id : pages_of_band(band, manifest.description.extent)) {
-      if (!pages.transaction().has({band, curve_position(id)})) continue;
+      if (!pages.transaction().find({band, curve_position(id)})) continue;
       const Page& page = pages.get(id, decoder, unused, nullptr);
       ErrorCode most = 0;
       for (std::int32_t row = 0; row < page.grid.rows; ++row) {
@@ -133,14 +133,15 @@ void expect_sums(const QueryCost& cost) {
   EXPECT_GE(cost.seconds, cost.reading_seconds + cost.gathering_seconds);
 }
 
-/// Flat in one corner, void in another, and rough: every fate occurs.
+/// Flat in one corner, void in the other and before it, and rough: every fate occurs.
 class Fates : public ::testing::Test {
  protected:
   Fates() {
     for (int row = 0; row < 700; ++row) {
       for (int col = 0; col < 800; ++col) terrain.at(col, row) = 1000;
     }
-    terrain = hole(terrain, 900, 600, 1450, 1300);
+    terrain = hole(terrain, 900, 600, 1300, 1300);
+    terrain = hole(terrain, 900, 900, terrain.cols, terrain.rows);  // with all of a page of band 1
     write_raster(terrain, folder / "a.tif");
     ingest(folder / "a.tif", folder / "a.talus");
     database.emplace(Database::open(folder / "a.talus"));
