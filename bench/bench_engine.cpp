@@ -148,7 +148,7 @@ void BM_Triangulation(benchmark::State& state) {
   const RestrictedQuadtree q = selected(static_cast<double>(state.range(0)));
   std::size_t triangles = 0;
   for (auto _ : state) {
-    const Mesh mesh = triangulate(q);
+    const Mesh mesh = triangulate(q, 1);
     triangles += mesh.triangles.size();
     benchmark::DoNotOptimize(mesh.triangles.data());
   }

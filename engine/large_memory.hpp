@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <memory_resource>
 #include <new>
 #include <vector>
 
@@ -35,6 +36,13 @@ void make_room(std::vector<T, Allocator>& values, std::size_t count) {
   values.reserve(count + count / 4);
   ask_for_large_pages(values.data(), values.capacity() * sizeof(T));
 }
+
+/// For memory that is given out piece by piece and freed as a whole.
+class LargePages final : public std::pmr::memory_resource {
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override;
+  void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override;
+  [[nodiscard]] bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+};
 
 template <class T>
 struct LargeAllocator {

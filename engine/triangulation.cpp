@@ -1,8 +1,12 @@
 #include "engine/triangulation.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
+#include <vector>
 
+#include "engine/parallel.hpp"
 #include "engine/popcnt.hpp"
 #include "talus/failure.hpp"
 
@@ -26,32 +30,36 @@ GridRect answered(const RestrictedQuadtree& quadtree) {
 
 class Emitter {
  public:
-  Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh)
+  /// Writes to `out`, where there is room for `room` triangles.
+  Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh, Corners* out, std::size_t room)
       : quadtree_(quadtree),
         mask_(quadtree.vertices),
         region_(answered(quadtree)),
         window_(mask_.region()),
         reaches_out_(!(region_ == window_)),
         points_(mesh.points.data()),
-        out_(mesh.triangles.data()),
-        last_(out_ + mesh.triangles.size() - kMostAround) {}
+        out_(out),
+        last_(out + room - kMostAround) {}
 
-  /// Emits the leaves around every vertex; returns one past the last triangle. A triangle is always written
+  /// Emits the leaves around every vertex of some rows; returns one past the last triangle. A triangle is always written
   /// and then kept or not: whether it is a leaf is a coin toss to a branch predictor.
   ///
   /// fails  corrupt: corners that are not there
-  TALUS_INLINE Corners* run() {
+  TALUS_INLINE Corners* run(std::int32_t first_row, std::int32_t last_row) {
     const bool all_covered = quadtree_.covers.empty();
-    std::uint32_t self = 0;
-    mask_.for_each([&](GridPoint p) __attribute__((always_inline)) {
+    std::uint32_t self = mask_.rank({window_.first.col, first_row});
+    mask_.for_each_in_rows(first_row, last_row, [&](GridPoint p) __attribute__((always_inline)) {
       points_[self] = p;
-      const bool inner = p.col > region_.first.col && p.col < region_.last.col && p.row > region_.first.row &&
-                         p.row < region_.last.row;
       const std::uint8_t covers = all_covered ? std::uint8_t{15} : quadtree_.covers[self];
-      if (inner && covers == 15 && ((p.col | p.row) & 1) != 0) {
+      const std::int32_t s = spacing(p);
+      const bool inner = p.col - s >= region_.first.col && p.col + s <= region_.last.col &&
+                         p.row - s >= region_.first.row && p.row + s <= region_.last.row;
+      if (!inner || covers != 15 || s == kRootSpacing) {
+        any(p, self, covers);
+      } else if (s == 1) {
         ((p.col & p.row) & 1) != 0 ? finest_centre(p, self) : finest_side(p, self);
       } else {
-        any(p, self, covers);
+        is_centre(p) ? centre(p, self, s) : side(p, self, s);
       }
       ++self;
       if (out_ > last_) refuse();  // what follows might not fit
@@ -97,6 +105,30 @@ class Emitter {
     keep({self, se, ne}, !east);
   }
 
+  /// Four neighbours, between which centres of half the spacing may be.
+  TALUS_INLINE void side(GridPoint p, std::uint32_t self, std::int32_t s) {
+    const std::int32_t h = s / 2;
+    const GridPoint n{p.col, p.row - s}, w{p.col - s, p.row}, so{p.col, p.row + s}, e{p.col + s, p.row};
+    const std::uint32_t north = mask_.rank(n), west = mask_.rank(w), south = mask_.rank(so), east = mask_.rank(e);
+    closed_ &= mask_.contains(n) & mask_.contains(w) & mask_.contains(so) & mask_.contains(e);
+    keep({self, north, west}, !mask_.contains({p.col - h, p.row - h}));
+    keep({self, west, south}, !mask_.contains({p.col - h, p.row + h}));
+    keep({self, south, east}, !mask_.contains({p.col + h, p.row + h}));
+    keep({self, east, north}, !mask_.contains({p.col + h, p.row - h}));
+  }
+
+  /// Four corners, between which side midpoints may be.
+  TALUS_INLINE void centre(GridPoint p, std::uint32_t self, std::int32_t s) {
+    const GridPoint nw{p.col - s, p.row - s}, ne{p.col + s, p.row - s}, sw{p.col - s, p.row + s}, se{p.col + s, p.row + s};
+    const std::uint32_t north_west = mask_.rank(nw), north_east = mask_.rank(ne);
+    const std::uint32_t south_west = mask_.rank(sw), south_east = mask_.rank(se);
+    closed_ &= mask_.contains(nw) & mask_.contains(ne) & mask_.contains(sw) & mask_.contains(se);
+    keep({self, north_east, north_west}, !mask_.contains({p.col, p.row - s}));
+    keep({self, north_west, south_west}, !mask_.contains({p.col - s, p.row}));
+    keep({self, south_west, south_east}, !mask_.contains({p.col, p.row + s}));
+    keep({self, south_east, north_east}, !mask_.contains({p.col + s, p.row}));
+  }
+
   void any(GridPoint p, std::uint32_t self, std::uint8_t covers) {
     if (covers == 0 || spacing(p) == kRootSpacing) return;
     const bool finest = ((p.col ^ p.row) & 1) != 0;
@@ -127,10 +159,34 @@ class Emitter {
   bool closed_ = true;   ///< so far
 };
 
-TALUS_POPCNT Corners* emit_popcnt(const RestrictedQuadtree& quadtree, Mesh& mesh) {
-  return Emitter(quadtree, mesh).run();
+TALUS_POPCNT Corners* emit_popcnt(Emitter& emitter, std::int32_t first, std::int32_t last) { return emitter.run(first, last); }
+Corners* emit_plain(Emitter& emitter, std::int32_t first, std::int32_t last) { return emitter.run(first, last); }
+
+/// Rows, so that about as many vertices stand in each part.
+struct Part {
+  std::int32_t first = 0, last = 0;
+  std::size_t vertices = 0;
+};
+std::vector<Part> parts_of(const VertexMask& mask, int count) {
+  const GridRect& region = mask.region();
+  const auto before = [&](std::int64_t row) -> std::size_t {
+    return row > region.last.row ? mask.size() : mask.rank({region.first.col, static_cast<std::int32_t>(row)});
+  };
+  std::vector<Part> parts;
+  std::int64_t first = region.first.row;
+  for (int i = 1; i <= count && first <= region.last.row; ++i) {
+    const std::size_t wanted = mask.size() / static_cast<std::size_t>(count) * static_cast<std::size_t>(i);
+    std::int64_t low = first, high = region.last.row;  // the last row of the part
+    while (low < high && i < count) {
+      const std::int64_t middle = low + (high - low) / 2;
+      (before(middle + 1) >= wanted ? high : low) = before(middle + 1) >= wanted ? middle : middle + 1;
+    }
+    if (i == count) low = region.last.row;
+    parts.push_back({static_cast<std::int32_t>(first), static_cast<std::int32_t>(low), before(low + 1) - before(first)});
+    first = low + 1;
+  }
+  return parts;
 }
-Corners* emit_plain(const RestrictedQuadtree& quadtree, Mesh& mesh) { return Emitter(quadtree, mesh).run(); }
 
 /// Keeps the points that triangles use, in order.
 void drop_unused(Mesh& mesh) {
@@ -155,14 +211,39 @@ void drop_unused(Mesh& mesh) {
 
 }  // namespace
 
-Mesh triangulate(const RestrictedQuadtree& quadtree) {
+Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
+  constexpr std::size_t kWorthAThread = 1 << 16;  // vertices
+  const std::size_t count = quadtree.vertices.size();
+  threads = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(threads_or_all(threads)), 1 + count / kWorthAThread));
   Mesh mesh;
   mesh.region = answered(quadtree);
-  mesh.heights = quadtree.heights;
-  mesh.points.resize(quadtree.vertices.size());
-  mesh.triangles.resize(2 * quadtree.vertices.size() + kMostAround);  // a planar mesh has fewer; room to write ahead
-  const Corners* end = has_popcnt() ? emit_popcnt(quadtree, mesh) : emit_plain(quadtree, mesh);
-  mesh.triangles.resize(static_cast<std::size_t>(end - mesh.triangles.data()));
+  if (count == 0) return mesh;
+  mesh.points.resize(count);
+  mesh.heights.resize(count);
+  // A planar mesh has fewer than two triangles a vertex, a part of it at most four; and there is room to write ahead. The
+  // first part goes where it belongs, the others follow once it is known where they begin.
+  mesh.triangles.resize(2 * count + kMostAround);
+  const std::vector<Part> parts = parts_of(quadtree.vertices, threads);
+  std::vector<Array<Corners>> written(parts.size());
+  std::vector<std::size_t> sizes(parts.size());
+  for_each_task(threads, parts.size(), [&](int, std::size_t i) {
+    const Part& part = parts[i];
+    if (i > 0) written[i].resize(4 * part.vertices + kMostAround);
+    Array<Corners>& to = i > 0 ? written[i] : mesh.triangles;
+    Emitter emitter(quadtree, mesh, to.data(), to.size());
+    const Corners* end = has_popcnt() ? emit_popcnt(emitter, part.first, part.last) : emit_plain(emitter, part.first, part.last);
+    sizes[i] = static_cast<std::size_t>(end - to.data());
+    const std::size_t first = quadtree.vertices.rank({quadtree.vertices.region().first.col, part.first});
+    std::copy_n(quadtree.heights.begin() + static_cast<std::ptrdiff_t>(first), part.vertices,
+                mesh.heights.begin() + static_cast<std::ptrdiff_t>(first));
+  });
+  std::vector<std::size_t> starts(parts.size() + 1, 0);
+  std::partial_sum(sizes.begin(), sizes.end(), starts.begin() + 1);
+  mesh.triangles.resize(starts.back());
+  for_each_task(threads, parts.size(), [&](int, std::size_t i) {
+    if (i > 0)
+      std::copy_n(written[i].begin(), sizes[i], mesh.triangles.begin() + static_cast<std::ptrdiff_t>(starts[i]));
+  });
   // Without voids every vertex of a region with an area is the corner of a triangle in it.
   const bool reaches_out = !(mesh.region == quadtree.vertices.region());
   if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) drop_unused(mesh);

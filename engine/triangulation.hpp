@@ -15,6 +15,6 @@ namespace talus {
 /// returns  counter-clockwise seen from above (columns east, rows south)
 /// cost     linear in vertices and triangles
 /// source   [P98 §3]; no recursion: design of ours, docs/architecture.md
-[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree);
+[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads);
 
 }  // namespace talus

@@ -261,6 +261,7 @@ class TilePacker {
     Page& page = page_;
     begin_page(page, id, making_, !valid_.empty());
     const std::size_t step = std::size_t{1} << page.grid.shift;
+    if (page.grid.size() == 0) return page;
     std::visit(
         [&](const auto& codes) {
           for (std::int32_t row = 0; row < page.grid.rows; ++row) {

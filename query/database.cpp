@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/parallel.hpp"
 #include "engine/triangulation.hpp"
 #include "query/budget.hpp"
 #include "query/heights.hpp"
@@ -24,19 +25,21 @@ constexpr double kOnLine = 1e-6;  ///< a coordinate within so much of a cell of 
 struct Database::Opened {
   PageStore store;
   std::shared_ptr<PageCache> cache;  ///< snapshots share it, and may outlive this
+  int threads = 1;
 };
 
 Database::Database(std::shared_ptr<Opened> opened) : opened_(std::move(opened)) {}
 
 Database Database::open(const std::filesystem::path& file, const OpenOptions& options) {
   Database database(
-      std::make_shared<Opened>(Opened{PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes)}));
+      std::make_shared<Opened>(Opened{PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes),
+                                      threads_or_all(options.threads)}));
   (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
   return database;
 }
 
 Snapshot Database::snapshot() const {
-  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache)}));
+  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache), opened_->threads}));
 }
 
 Snapshot::Snapshot(std::unique_ptr<View> view) : view_(std::move(view)) {}
@@ -94,7 +97,9 @@ GridRect Snapshot::region(const Rectangle& r) const {
           {static_cast<std::int32_t>(last_col), static_cast<std::int32_t>(last_row)}};
 }
 
-Answer Snapshot::range(GridRect region, Metres tolerance) const { return range_query(view_->pages, region, tolerance); }
+Answer Snapshot::range(GridRect region, Metres tolerance) const {
+  return range_query(view_->pages, region, tolerance, view_->threads);
+}
 
 Frame Snapshot::frame(const Rectangle& r) const {
   static_cast<void>(region(r));
@@ -120,7 +125,7 @@ Answer Snapshot::ask(const Question& question) const {
   require_sense(view_->pages, question);
   const bool is_plain = question.border == Border::constrain && !question.field && question.points.empty() &&
                         question.neighbours.empty() && question.max_level >= finest_level(description().extent);
-  if (is_plain) return range_query(view_->pages, question.region, question.tolerance);
+  if (is_plain) return range(question.region, question.tolerance);
   return select_and_gather(view_->pages, question);
 }
 
@@ -142,10 +147,12 @@ Metres Snapshot::tolerance_for(GridRect region, const Budget& budget, QueryCost&
   return talus::tolerance_for(view_->pages, region, budget, cost);
 }
 
-Mesh Snapshot::mesh(Metres tolerance) const { return triangulate(range(description().extent, tolerance).quadtree); }
+Mesh Snapshot::mesh(Metres tolerance) const {
+  return triangulate(range(description().extent, tolerance).quadtree, view_->threads);
+}
 
 Mesh Snapshot::mesh(const Rectangle& rectangle, Metres tolerance) const {
-  return triangulate(range(region(rectangle), tolerance).quadtree);
+  return triangulate(range(region(rectangle), tolerance).quadtree, view_->threads);
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "engine/parallel.hpp"
 #include "query/stopwatch.hpp"
 
 namespace talus {
@@ -38,41 +39,73 @@ Above::Above(double tolerance_m, const CodeDistance& distance)
       distance_(largest_distance_within(tolerance_m, distance)),
       eighths_(largest_eighths_within(distance_)) {}
 
-RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices) {
+void FoundVertices::take(const Page& page, std::span<const PageSample> samples) {
+  if (samples.empty()) return;
+  OfPage& here = pages_found_.emplace_back(&memory_);
+  here.at.resize(samples.size());
+  here.heights.resize(samples.size());
+  if (!page.covers.empty()) here.covers.resize(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto [col, row] = samples[k];
+    const std::size_t i = page.index(col, row);
+    here.at[k] = page.grid.at(col, row);
+    here.heights[k] = kept_.is_kept(page, col, row) ? page.heights[i] : kept_.at(here.at[k]);
+    if (!page.covers.empty()) here.covers[k] = page.covers[i];
+  }
+}
+
+RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices) const {
   const Stopwatch gathering(cost_.gathering_seconds);
+  const FoundVertices* const self = this;
+  return quadtree({&self, 1}, region, std::move(vertices), 1);
+}
+
+RestrictedQuadtree FoundVertices::quadtree(std::span<const FoundVertices* const> parts, GridRect region,
+                                           VertexMask vertices, int threads) {
   RestrictedQuadtree answer;
   answer.region = region;
   std::size_t count = 0;
   bool all_covered = true;
-  for (const OfPage& page : pages_found_) {
-    count += page.at.size();
-    all_covered =
-        all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
+  for (const FoundVertices* part : parts) {
+    for (const OfPage& page : part->pages_found_) {
+      count += page.at.size();
+      all_covered =
+          all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
+    }
   }
   vertices.seal();
   if (vertices.size() != count) {  // border vertices amid voids, in pages that were never stored
     vertices = VertexMask(vertices.region());
-    for (const OfPage& page : pages_found_) {
-      for (const GridPoint p : page.at) vertices.insert(p);
+    for (const FoundVertices* part : parts) {
+      for (const OfPage& page : part->pages_found_) {
+        for (const GridPoint p : page.at) vertices.insert(p);
+      }
     }
     vertices.seal();
   }
   answer.heights.resize(count);
   if (!all_covered) answer.covers.resize(count, 15);
-  const HeightStep& step = pages_.manifest().description.step;
-  std::vector<std::uint32_t> ranks;
-  for (const OfPage& page : pages_found_) {
-    ranks.resize(page.at.size());
-    vertices.ranks(page.at, ranks);
-    for (std::size_t i = 0; i < ranks.size(); ++i) answer.heights[ranks[i]] = step.value(page.heights[i]);
-    for (std::size_t i = 0; !all_covered && i < page.covers.size(); ++i) answer.covers[ranks[i]] = page.covers[i];
-  }
+  for_each_task(threads, parts.size(), [&](int, std::size_t task) {
+    const FoundVertices& part = *parts[task];
+    const HeightStep& step = part.pages_.manifest().description.step;
+    std::vector<std::uint32_t> ranks;
+    for (const OfPage& page : part.pages_found_) {
+      ranks.resize(page.at.size());
+      vertices.ranks(page.at, ranks);
+      for (std::size_t i = 0; i < ranks.size(); ++i) answer.heights[ranks[i]] = step.value(page.heights[i]);
+      for (std::size_t i = 0; !all_covered && i < page.covers.size(); ++i) answer.covers[ranks[i]] = page.covers[i];
+    }
+  });
   answer.vertices = std::move(vertices);
   return answer;
 }
 
 LargestByLevel::LargestByLevel(GridRect extent)
     : levels_(static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(root_side(extent)))) + 1) {}
+
+void LargestByLevel::take(const LargestByLevel& others) {
+  for (std::size_t i = 0; i < levels_.size(); ++i) levels_[i].take(others.levels_[i]);
+}
 
 std::vector<double> LargestByLevel::metres(const StoredPages& pages) const {
   std::vector<double> metres;

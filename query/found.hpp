@@ -2,8 +2,11 @@
 // The selected vertices of pages on their way into an answer.
 
 #include <algorithm>
+#include <memory_resource>
+#include <span>
 #include <vector>
 
+#include "engine/large_memory.hpp"
 #include "query/kept_heights.hpp"
 
 namespace talus {
@@ -45,6 +48,10 @@ struct LargestAbsent {
       code = std::max(code, page.errors[i]);
     }
   }
+  void take(const LargestAbsent& others) {
+    code = std::max(code, others.code);
+    distance = std::max(distance, others.distance);
+  }
 };
 
 /// RestrictedQuadtree::level_errors in the making.
@@ -55,18 +62,26 @@ class LargestByLevel {
     LargestAbsent& level = levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)];
     level.take(page, i);
   }
+  void take(const LargestByLevel& others);
   [[nodiscard]] std::vector<double> metres(const StoredPages& pages) const;
 
  private:
   std::vector<LargestAbsent> levels_;  ///< none of them absent; by log2 of the spacing
 };
 
+/// A sample of a page, by its place there.
+struct PageSample {
+  std::uint16_t col, row;
+};
+
 /// Collects vertices page by page, then makes a quadtree of them.
 class FoundVertices {
  public:
   FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost), kept_(pages, cost) {}
+  FoundVertices(const FoundVertices&) = delete;
+  FoundVertices& operator=(const FoundVertices&) = delete;
 
-  void begin_page() { pages_found_.emplace_back(); }
+  void begin_page() { pages_found_.emplace_back(&memory_); }
   /// An own vertex of the page that was begun.
   void take(const Page& page, std::int32_t col, std::int32_t row) {
     OfPage& here = pages_found_.back();
@@ -76,19 +91,28 @@ class FoundVertices {
     here.heights.push_back(kept_.is_kept(page, col, row) ? page.heights[i] : kept_.at(p));
     if (!page.covers.empty()) here.covers.push_back(page.covers[i]);
   }
+  /// All that are taken of a page.
+  void take(const Page& page, std::span<const PageSample> samples);
+
   /// `vertices` must hold those taken and none else but such as nothing needs: their pages are not stored.
-  [[nodiscard]] RestrictedQuadtree quadtree(GridRect region, VertexMask vertices);
+  [[nodiscard]] RestrictedQuadtree quadtree(GridRect region, VertexMask vertices) const;
+  /// Of what several have found.
+  [[nodiscard]] static RestrictedQuadtree quadtree(std::span<const FoundVertices* const> parts, GridRect region,
+                                                   VertexMask vertices, int threads);
 
  private:
   struct OfPage {
-    std::vector<GridPoint> at;
-    std::vector<double> heights;
-    std::vector<std::uint8_t> covers;  ///< empty: all 15
+    explicit OfPage(std::pmr::memory_resource* memory) : at(memory), heights(memory), covers(memory) {}
+    std::pmr::vector<GridPoint> at;
+    std::pmr::vector<double> heights;
+    std::pmr::vector<std::uint8_t> covers;  ///< empty: all 15
   };
 
   const StoredPages& pages_;
   QueryCost& cost_;
   KeptHeights kept_;
+  LargePages large_;
+  std::pmr::monotonic_buffer_resource memory_{std::size_t{1} << 16, &large_};
   std::vector<OfPage> pages_found_;
 };
 

@@ -36,6 +36,7 @@ class IncrementQuery {
 
   Increment run() {
     const auto started = std::chrono::steady_clock::now();
+    fates_.begin();
     for (const GridPoint p : border_vertices(region_, root_side(manifest_.description.extent))) forced_.insert(p);
     const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
     for (std::size_t i = 0; i < tops.size(); ++i) {

@@ -15,7 +15,7 @@ const Page* KeptHeights::page_with(GridPoint p) {
   Band& band = bands_[static_cast<std::size_t>(id.band)];
   if (band.page == nullptr || band.id != id) {
     band.page = nullptr;
-    if (!pages_.transaction().find({id.band, curve_position(id)})) return nullptr;  // its shelf alone would not do
+    if (!pages_.transaction().has({id.band, curve_position(id)})) return nullptr;
     band.page = &pages_.get(id, 0, band.decoder, cost_);  // updates need all samples: there are none
     band.id = id;
   }

@@ -12,6 +12,9 @@ class PageFates {
   /// finest_height  log2 of the smallest spacing that is asked for
   PageFates(const StoredPages& pages, GridRect region, QueryCost& cost, int finest_height = 0);
 
+  /// Counts the region's pages, and those that none is above. Once: where several threads count, in one of their costs.
+  void begin();
+
   /// A page is looked into, not for the second time. Not wanted: for the border or a point only.
   void look_into(const Page& page, bool is_wanted);
 
@@ -20,6 +23,7 @@ class PageFates {
   /// Where a stored page counts that was left out.
   [[nodiscard]] std::uint64_t& left_out(PageId id);
 
+  int bands_;
   GridRect region_, extent_;
   QueryCost& cost_;
   int finest_height_;

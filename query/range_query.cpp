@@ -1,93 +1,184 @@
 #include "query/range_query.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <set>
+#include <map>
+#include <memory>
 
 #include "engine/border.hpp"
+#include "engine/parallel.hpp"
 #include "query/found.hpp"
 #include "query/page_fates.hpp"
 #include "query/question.hpp"
+#include "query/stopwatch.hpp"
 
 namespace talus {
 namespace {
 
+/// A page that is to be looked into.
+struct Wanted {
+  PageId id;
+  std::uint32_t generation;
+  bool is_above;  ///< it may hold something above the tolerance; else only the border needs it
+};
+
 class RangeQuery {
  public:
-  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance)
+  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance, int threads)
       : pages_(pages),
         manifest_(pages.manifest()),
         region_(region),
         asked_(tolerance.value),
         lossy_(manifest_.description.lossy_metres),
         tolerance_(std::max(manifest_.description.kept_above(), tolerance.value - lossy_)),
+        threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)),
         above_(tolerance_, pages.distance()),
-        vertices_(region),
-        levels_(manifest_.description.extent),
-        cost_(pages.cost_of_header()),
-        fates_(pages, region, cost_),
-        found_(pages, cost_) {}
+        vertices_(region) {
+    for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region));
+  }
 
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
     force_border();
+    workers_.front()->fates.begin();
+    std::vector<Wanted> pages;
     const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
     for (std::size_t i = 0; i < tops.size(); ++i) {
-      if (overlap(page_square(tops[i]), region_)) visit(tops[i], manifest_.top_generations[i], true);
+      if (overlap(page_square(tops[i]), region_)) pages.push_back({tops[i], manifest_.top_generations[i], true});
     }
+    // The coarsest pages first, until there is enough to share.
+    const std::size_t enough = threads_ == 1 ? 0 : kTasksAThread * static_cast<std::size_t>(threads_);
+    while (!pages.empty() && pages.size() < enough && pages.front().id.band > 0) {
+      std::vector<Wanted> below;
+      for (const Wanted& page : pages) look_into(page, *workers_.front(), below);
+      pages = std::move(below);
+    }
+    for_each_task(threads_, pages.size(), [&](int who, std::size_t task) {
+      descend(pages[task], *workers_[static_cast<std::size_t>(who)]);
+    });
+    return answer(started);
+  }
+
+ private:
+  static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
+  static constexpr std::size_t kTasksAThread = 8;
+
+  using PageKeyPair = std::pair<int, std::uint64_t>;
+
+  /// What a thread has found, and what it needs to find more.
+  struct Worker {
+    Worker(const StoredPages& pages, GridRect region)
+        : fates(pages, region, cost), found(pages, cost), levels(pages.manifest().description.extent) {}
+    QueryCost cost;
+    PageFates fates;
+    FoundVertices found;
+    LargestAbsent absent;
+    LargestByLevel levels;
+    std::uint64_t forced_alone = 0;
+    PageDecoder decoder;
+    std::vector<PageSample> chosen;
+    std::vector<std::uint8_t> is_forced;  ///< by sample of a page that the border needs
+  };
+
+  Answer answer(std::chrono::steady_clock::time_point started) {
+    LargestAbsent absent;
+    LargestByLevel levels(manifest_.description.extent);
+    std::vector<const FoundVertices*> found;
     Answer answer;
-    answer.border_vertices = forced_alone_;
-    answer.quadtree = found_.quadtree(region_, std::move(vertices_));
+    answer.cost = pages_.cost_of_header();
+    for (const auto& worker : workers_) {
+      absent.take(worker->absent);
+      levels.take(worker->levels);
+      found.push_back(&worker->found);
+      answer.border_vertices += worker->forced_alone;
+    }
+    {
+      const Stopwatch gathering(answer.cost.gathering_seconds);
+      answer.quadtree = FoundVertices::quadtree(found, region_, std::move(vertices_), threads_);
+    }
     answer.quadtree.tolerance = Metres{asked_};
-    answer.quadtree.bound = bound_of(pages_, absent_, tolerance_);
-    answer.quadtree.level_errors = levels_.metres(pages_);
+    answer.quadtree.bound = bound_of(pages_, absent, tolerance_);
+    answer.quadtree.level_errors = levels.metres(pages_);
     answer.quadtree.origin = {pages_.identity(), Border::constrain, true};
-    answer.cost = cost_;
+    for (const auto& worker : workers_) answer.cost += worker->cost;
+    answer.cost.reading_seconds /= threads_;
     answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     return answer;
   }
 
- private:
-  using PageKeyPair = std::pair<int, std::uint64_t>;
-
-  /// Selects what the border needs, and marks the pages that hold it and all pages above them.
+  /// Notes by page what the border needs, and all pages above.
   void force_border() {
     for (const GridPoint p : border_vertices(region_, root_side(manifest_.description.extent))) {
-      vertices_.insert(p);
-      ++forced_alone_;
-      for (PageId id = page_of(p, band_of(p, manifest_.bands)); id.band < manifest_.bands; id = parent_page(id)) {
-        if (!forced_pages_.emplace(id.band, curve_position(id)).second) break;
+      PageId id = page_of(p, band_of(p, manifest_.bands));
+      forced_[{id.band, curve_position(id)}].push_back(p);
+      for (id = parent_page(id); id.band < manifest_.bands; id = parent_page(id)) {
+        if (!forced_.try_emplace({id.band, curve_position(id)}).second) break;
       }
     }
   }
-  [[nodiscard]] bool is_forced(PageId id) const { return forced_pages_.contains({id.band, curve_position(id)}); }
+  [[nodiscard]] bool is_forced(PageId id) const { return forced_.contains({id.band, curve_position(id)}); }
 
-  void visit(PageId id, std::uint32_t generation, bool is_wanted) {
-    const Page& page = pages_.get(id, generation, decoder_, cost_);
-    fates_.look_into(page, is_wanted);
-    select(page);
-    const std::vector<ChildEntry> children = page.children;  // the page's memory is the next page's
-    for (std::size_t i = 0; i < children.size(); ++i) {
-      const PageId child = child_page(id, i);
-      const ChildEntry& entry = children[i];
+  void descend(const Wanted& wanted, Worker& worker) {
+    std::vector<Wanted> below;
+    look_into(wanted, worker, below);
+    for (const Wanted& page : below) descend(page, worker);
+  }
+
+  /// Takes from a page what it has, and names the pages below it that are to be looked into.
+  void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
+    const Page& page = pages_.get(wanted.id, wanted.generation, worker.decoder, worker.cost);
+    worker.fates.look_into(page, wanted.is_above);
+    select(page, worker);
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const PageId child = child_page(wanted.id, i);
+      const ChildEntry& entry = page.children[i];
       if (!entry.present || !overlap(page_square(child), region_)) continue;
       // A page with nothing above the tolerance counts in the bound as its entry says, though the border may need it and more
       // be known then: so increments, which do not read it, have the same bound.
-      const bool wanted = above_(entry.largest);
-      if (!wanted) absent_.code = std::max(absent_.code, entry.largest);
-      if (wanted || is_forced(child)) visit(child, entry.generation, wanted);
+      const bool is_wanted = above_(entry.largest);
+      if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
+      if (is_wanted || is_forced(child)) below.push_back({child, entry.generation, is_wanted});
     }
   }
 
   /// Takes the page's own vertices whose error is above the tolerance, or that the border needs.
-  void select(const Page& page) {
-    const PageGrid& grid = page.grid;
-    const auto [first, last] = samples_in(grid, region_);
-    const bool forced = is_forced(page.id);
-    found_.begin_page();
+  void select(const Page& page, Worker& worker) {
+    const auto forced = forced_.find({page.id.band, curve_position(page.id)});
+    if (forced == forced_.end() || forced->second.empty()) {
+      choose(page, worker, [](std::size_t) { return false; });
+      for (const auto [col, row] : worker.chosen) worker.levels.take(page, page.index(col, row), page.grid.at(col, row));
+    } else {
+      std::vector<std::uint8_t>& is_forced = worker.is_forced;
+      is_forced.assign(page.grid.size(), 0);
+      for (const GridPoint p : forced->second) {
+        is_forced[page.index((p.col >> page.grid.shift) - page.grid.first.col,
+                             (p.row >> page.grid.shift) - page.grid.first.row)] = 1;
+      }
+      choose(page, worker, [&](std::size_t i) { return is_forced[i] != 0; });
+      for (const auto [col, row] : worker.chosen) {
+        const std::size_t i = page.index(col, row);
+        if (is_forced[i] == 0) {
+          worker.levels.take(page, i, page.grid.at(col, row));
+        } else if (!above_(page, i)) {
+          ++worker.forced_alone;
+        }
+      }
+    }
+    insert(page.grid, worker.chosen);
+    worker.found.take(page, worker.chosen);
+  }
+
+  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent. A sample is always written and then
+  /// kept or not: most pages have as many of one kind as of the other.
+  template <class IsNeeded>
+  void choose(const Page& page, Worker& worker, IsNeeded&& is_needed) {
+    const auto [first, last] = samples_in(page.grid, region_);
+    worker.chosen.resize(page.grid.size() + 1);
+    PageSample* next = worker.chosen.data();
     const ErrorCode threshold = above_.code();
-    ErrorCode absent_code = absent_.code;
+    ErrorCode absent_code = worker.absent.code;
     // Of every sample: is its distance above the tolerance, or its code? Samples that are no vertices of this band
     // have neither.
     const auto look = [&](auto&& distance_of, auto largest_within) {
@@ -98,13 +189,11 @@ class RangeQuery {
           const std::size_t i = page.index(col, row);
           const ErrorCode code = page.errors[i];
           const auto distance = distance_of(i);
-          const bool above = distance > largest_within || code > threshold;
-          if (above || (forced && page.is_own(grid.at(col, row)) && vertices_.contains(grid.at(col, row)))) {
-            take(page, col, row, above, forced);
-          } else {
-            absent_code = std::max(absent_code, code);
-            largest_absent = std::max(largest_absent, distance);
-          }
+          const bool is_chosen = (distance > largest_within) | (code > threshold) | is_needed(i);
+          *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
+          next += is_chosen ? 1 : 0;
+          absent_code = std::max(absent_code, is_chosen ? ErrorCode{0} : code);
+          largest_absent = std::max(largest_absent, is_chosen ? decltype(distance)(-1) : distance);
         }
       }
       return static_cast<double>(largest_absent);
@@ -117,19 +206,36 @@ class RangeQuery {
     } else {
       look([](std::size_t) { return -1; }, 0);
     }
-    absent_.code = absent_code;
-    absent_.distance = std::max(absent_.distance, absent);
+    worker.chosen.resize(static_cast<std::size_t>(next - worker.chosen.data()));
+    worker.absent.code = absent_code;
+    worker.absent.distance = std::max(worker.absent.distance, absent);
   }
 
-  void take(const Page& page, std::int32_t col, std::int32_t row, bool above, bool may_be_forced) {
-    const GridPoint p = page.grid.at(col, row);
-    if (!may_be_forced || !vertices_.contains(p)) {
-      levels_.take(page, page.index(col, row), p);
-      vertices_.insert(p);
-    } else if (above) {
-      --forced_alone_;
+  /// Word by word: others may write other bits of a word at the same time.
+  void insert(const PageGrid& grid, std::span<const PageSample> samples) {
+    std::uint64_t* word = nullptr;
+    std::uint64_t bits = 0;
+    const auto flush = [&] {
+      if (bits != 0) std::atomic_ref(*word).fetch_or(bits, std::memory_order_relaxed);
+    };
+    std::span<std::uint64_t> words;
+    int row_of_words = -1;
+    for (const auto [col, row] : samples) {
+      const GridPoint p = grid.at(col, row);
+      if (row != row_of_words) {
+        words = vertices_.row_words(p.row);
+        row_of_words = row;
+      }
+      const auto at = static_cast<std::size_t>(std::int64_t{p.col} - region_.first.col);
+      std::uint64_t* here = &words[at / 64];
+      if (here != word) {
+        flush();
+        word = here;
+        bits = 0;
+      }
+      bits |= std::uint64_t{1} << at % 64;
     }
-    found_.take(page, col, row);
+    flush();
   }
 
   const StoredPages& pages_;
@@ -138,16 +244,11 @@ class RangeQuery {
   double asked_;
   double lossy_;      ///< how far stored heights may lie from the source's
   double tolerance_;  ///< what is left of the one asked for
+  int threads_;
   Above above_;
   VertexMask vertices_;
-  std::set<PageKeyPair> forced_pages_;
-  PageDecoder decoder_;
-  LargestAbsent absent_;
-  LargestByLevel levels_;
-  std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
-  QueryCost cost_;
-  PageFates fates_;
-  FoundVertices found_;
+  std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< pages that the border needs, and what it needs of them
+  std::vector<std::unique_ptr<Worker>> workers_;
 };
 
 void copy_samples(const Page& page, const HeightStep& step, StoredSamples& stored) {
@@ -166,10 +267,10 @@ void copy_samples(const Page& page, const HeightStep& step, StoredSamples& store
 
 }  // namespace
 
-Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance) {
+Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads) {
   require_inside(pages, region);
   require_tolerance(tolerance);
-  return RangeQuery(pages, region, tolerance).run();
+  return RangeQuery(pages, region, tolerance, threads).run();
 }
 
 StoredSamples stored_samples(const StoredPages& pages, GridRect region) {

@@ -5,8 +5,8 @@
 
 namespace talus {
 
-/// See Snapshot::range.
-[[nodiscard]] Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance);
+/// See Snapshot::range. Threads change nothing in the answer.
+[[nodiscard]] Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads = 1);
 
 struct StoredSamples {
   SampleWindow window;

@@ -49,6 +49,7 @@ class Selection {
   /// What the question asks for by itself.
   void choose() {
     const Stopwatch running(cost_.seconds);
+    fates_.begin();
     choose_forced();
     const Manifest& manifest = pages_.manifest();
     const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);

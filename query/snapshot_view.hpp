@@ -8,6 +8,7 @@ namespace talus {
 
 struct Snapshot::View {
   StoredPages pages;
+  int threads = 1;  ///< for a large question
 };
 
 [[nodiscard]] const StoredPages& pages_of(const Snapshot& snapshot);

@@ -72,7 +72,8 @@ class ReadTxn {
 
   /// visit(position) for each page of a table in order.
   void for_each(int table, const std::function<void(std::uint64_t position)>& visit) const;
-  /// Whether a table has a page, or a shelf any page, at a position. Reads no content.
+  /// Whether a table has a page at a position. Reads no content.
+  /// fails  corrupt: a shelf that is damaged
   [[nodiscard]] bool has(PageKey key) const;
   /// Takes a page, or the shelf it stands on, out of this process's memory: what was read stays counted as the
   /// process's otherwise. Bytes found there before are read anew when they are looked at again.

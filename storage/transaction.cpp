@@ -89,7 +89,15 @@ std::optional<StoredPage> ReadTxn::find(PageKey key) const {
   }
 }
 
-bool ReadTxn::has(PageKey key) const { return impl_->value(key.table, value_position(key)).has_value(); }
+bool ReadTxn::has(PageKey key) const {
+  const auto value = impl_->value(key.table, value_position(key));
+  if (!value || !is_shelved(key.table)) return value.has_value();
+  try {
+    return !pages_of_shelf(key.table, value_position(key), *value)[key.position % kShelfPages].empty();
+  } catch (const Failure& f) {
+    throw impl_->in_file(f);
+  }
+}
 
 void ReadTxn::forget(PageKey key) const {
   const auto value = impl_->value(key.table, value_position(key));

@@ -1,6 +1,7 @@
 #pragma once
 // What questions cost.
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -28,6 +29,14 @@ struct BandCost {
   // What that took; a page looked into twice may be read, or found decoded, twice.
   std::uint64_t pages_read = 0, bytes_read = 0, pages_cached = 0;
 
+  /// Of the same band.
+  BandCost& operator+=(const BandCost& other) {
+    for (const auto count : {&BandCost::in_region, &BandCost::wanted, &BandCost::needed, &BandCost::beyond,
+                             &BandCost::below_tolerance, &BandCost::too_fine, &BandCost::only_voids, &BandCost::outside,
+                             &BandCost::pages_read, &BandCost::bytes_read, &BandCost::pages_cached})
+      this->*count += other.*count;
+    return *this;
+  }
   /// In the region, and never asked about: the page above was left out.
   [[nodiscard]] std::uint64_t unasked() const {
     return in_region - wanted - needed - below_tolerance - too_fine - only_voids;
@@ -39,9 +48,21 @@ struct QueryCost {
   std::uint64_t pages_read = 0, bytes_read = 0;
   double seconds = 0;
   std::uint64_t pages_cached = 0;  ///< found decoded, and neither read nor counted as read
-  double reading_seconds = 0;      ///< of `seconds`: fetching, checking and decoding pages
+  double reading_seconds = 0;      ///< of `seconds`: fetching, checking and decoding pages; of several threads the mean
   double gathering_seconds = 0;    ///< and making a quadtree of what was chosen; the rest is choosing
   std::vector<BandCost> bands;     ///< finest first; the header is in none
+
+  QueryCost& operator+=(const QueryCost& other) {
+    pages_read += other.pages_read;
+    bytes_read += other.bytes_read;
+    seconds += other.seconds;
+    pages_cached += other.pages_cached;
+    reading_seconds += other.reading_seconds;
+    gathering_seconds += other.gathering_seconds;
+    if (bands.size() < other.bands.size()) bands.resize(other.bands.size());
+    for (std::size_t band = 0; band < other.bands.size(); ++band) bands[band] += other.bands[band];
+    return *this;
+  }
 };
 
 }  // namespace talus

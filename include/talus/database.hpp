@@ -198,6 +198,9 @@ class Snapshot {
 struct OpenOptions {
   /// Of decoded pages that are kept for the next question, at 14 to 20 bytes a sample. 0: none is.
   std::uint64_t cache_bytes = std::uint64_t{64} << 20;
+  /// For one question about a million samples or more, if it asks for nothing but a region and a tolerance; 0: all the
+  /// machine has. Answers do not depend on it.
+  int threads = 1;
 };
 
 /// An open database file. Copies share one environment and one cache; a file is opened once per process.
@@ -214,8 +217,10 @@ class Database {
 };
 
 /// The unique conforming triangulation of a quadtree, without recursion. Linear time. [P98 §3]
-/// fails  corrupt: vertices that are not closed under their parents, as damaged errors select
-[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree);
+///
+/// threads  for large quadtrees; 0: all the machine has. The mesh does not depend on it
+/// fails    corrupt: vertices that are not closed under their parents, as damaged errors select
+[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 1);
 
 /// A mesh cut at a frame; heights along the cuts are those of its edges, so its bound holds. Meshes of one answer that are
 /// cut at frames that share a whole side meet there without a crack.

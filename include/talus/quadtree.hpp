@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "talus/array.hpp"
 #include "talus/question.hpp"
 #include "talus/units.hpp"
 
@@ -48,7 +49,12 @@ class VertexMask {
   /// Calls visit(GridPoint) for each member in rank order.
   template <class Visit>
   [[gnu::always_inline]] void for_each(Visit&& visit) const {
-    for (std::int64_t row = 0; row < region_.rows(); ++row) {
+    for_each_in_rows(region_.first.row, region_.last.row, visit);
+  }
+  /// The same of some rows, the last included.
+  template <class Visit>
+  [[gnu::always_inline]] void for_each_in_rows(std::int32_t first, std::int32_t last, Visit&& visit) const {
+    for (std::int64_t row = std::int64_t{first} - region_.first.row; row <= std::int64_t{last} - region_.first.row; ++row) {
       const std::size_t start = static_cast<std::size_t>(row) * words_per_row_;
       for (std::size_t w = 0; w < words_per_row_; ++w) {
         for (std::uint64_t rest = words_[start + w]; rest != 0; rest &= rest - 1) {
@@ -99,7 +105,7 @@ struct RestrictedQuadtree {
   /// That was answered: triangles that do not meet it are none of the answer. Empty: that of the vertices.
   GridRect region{{0, 0}, {-1, -1}};
   VertexMask vertices;  ///< over the region, or over all that its triangles need
-  std::vector<double> heights;  ///< by rank, in the source's vertical unit
+  Array<double> heights;  ///< by rank, in the source's vertical unit
   /// By rank, four bits a vertex: which of the four triangles with this vertex at their right angle
   /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
   std::vector<std::uint8_t> covers;
@@ -127,9 +133,9 @@ struct Frame {
 /// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.
 struct Mesh {
   GridRect region;                ///< the outermost sample positions answered
-  std::vector<GridPoint> points;  ///< each used by at least one triangle
-  std::vector<double> heights;    ///< of points, then of cuts, in the source's vertical unit
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from above
+  Array<GridPoint> points;  ///< each used by at least one triangle
+  Array<double> heights;    ///< of points, then of cuts, in the source's vertical unit
+  Array<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from above
   std::vector<Place> cuts = {};   ///< where clip_mesh cut edges: they count on behind `points`
 
   [[nodiscard]] std::size_t size() const { return points.size() + cuts.size(); }

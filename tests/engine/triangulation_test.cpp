@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -96,7 +97,7 @@ TEST(Triangulation, IsWhatRecursionFinds) {
     Random random(seed);
     const GridRect region = random_region(random);
     const Case made(random, region, random.between(0, 200), random.unit());
-    const Mesh mesh = triangulate(made.quadtree);
+    const Mesh mesh = triangulate(made.quadtree, 1);
     EXPECT_EQ(mesh.region, region);
     EXPECT_EQ(corners_of(mesh), made.expected);
     expect_well_formed(mesh);
@@ -113,7 +114,7 @@ TEST(Triangulation, EverySampleSelectedGivesTwoTrianglesACell) {
     quadtree.heights.push_back(height_at(p));
   });
   quadtree.vertices.seal();
-  const Mesh mesh = triangulate(quadtree);
+  const Mesh mesh = triangulate(quadtree, 1);
   EXPECT_EQ(mesh.points.size(), static_cast<std::size_t>(region.samples()));
   EXPECT_EQ(mesh.triangles.size(), static_cast<std::size_t>(2 * (region.cols() - 1) * (region.rows() - 1)));
   expect_well_formed(mesh);
@@ -139,7 +140,7 @@ TEST(Triangulation, EmitsOnlyTrianglesThatCoverData) {
       }
       made.quadtree.covers.push_back(bits);
     });
-    const Mesh mesh = triangulate(made.quadtree);
+    const Mesh mesh = triangulate(made.quadtree, 1);
     EXPECT_EQ(corners_of(mesh), expected);
     expect_well_formed(mesh);
     if (HasFailure()) return;
@@ -147,6 +148,25 @@ TEST(Triangulation, EmitsOnlyTrianglesThatCoverData) {
 }
 
 // What damaged errors might select. Under the address sanitizer this also shows that nothing is written beyond its place.
+TEST(Triangulation, ThreadsChangeNothing) {
+  Random random(7);
+  for (const GridRect region : {GridRect{{-3, -70}, {500, 505}}, GridRect{{64, 128}, {264, 1328}}}) {
+    const Case made(random, region, 20000, 0.2);
+    RestrictedQuadtree all;
+    all.vertices = VertexMask(region);
+    for_each_point(region, [&](GridPoint p) { all.vertices.insert(p); });
+    all.vertices.seal();
+    all.heights.resize(all.vertices.size(), 1.0);
+    for (const RestrictedQuadtree* quadtree : {&made.quadtree, &std::as_const(all)}) {
+      const Mesh one = triangulate(*quadtree, 1);
+      for (const int threads : {2, 3, 7}) {
+        const Mesh mesh = triangulate(*quadtree, threads);
+        EXPECT_TRUE(mesh.points == one.points && mesh.heights == one.heights && mesh.triangles == one.triangles) << threads;
+      }
+    }
+  }
+}
+
 TEST(Triangulation, SetsThatAreNotClosedAreRefusedOrStayInBounds) {
   int refused = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
@@ -161,7 +181,7 @@ TEST(Triangulation, SetsThatAreNotClosedAreRefusedOrStayInBounds) {
     quadtree.vertices.seal();
     quadtree.heights.resize(quadtree.vertices.size());
     try {
-      const Mesh mesh = triangulate(quadtree);
+      const Mesh mesh = triangulate(quadtree, 1);
       for (const auto& t : mesh.triangles)
         for (const std::uint32_t v : t) ASSERT_LT(v, mesh.points.size());
     } catch (const Failure& failure) {
@@ -179,7 +199,7 @@ TEST(Triangulation, ARegionOneSampleWideHasNoTriangles) {
     for (const GridPoint p : border_vertices(region, root_side(region))) quadtree.vertices.insert(p);
     quadtree.vertices.seal();
     quadtree.heights.resize(quadtree.vertices.size());
-    const Mesh mesh = triangulate(quadtree);
+    const Mesh mesh = triangulate(quadtree, 1);
     EXPECT_TRUE(mesh.triangles.empty());
     EXPECT_TRUE(mesh.points.empty());
     EXPECT_TRUE(mesh.heights.empty());

@@ -33,7 +33,7 @@ void look_at(std::span<const std::byte> bytes) {
     const auto once = encode(stream);
     require(encode(decode_stream(once)) == once);
     const auto* answer = std::get_if<RestrictedQuadtree>(&stream.content);
-    if (answer != nullptr && answer->origin.border == Border::constrain) static_cast<void>(triangulate(*answer));
+    if (answer != nullptr && answer->origin.border == Border::constrain) static_cast<void>(triangulate(*answer, 1));
   } catch (const Failure& failure) {
     require(failure.cause() == Cause::corrupt || failure.cause() == Cause::unsupported);
   }

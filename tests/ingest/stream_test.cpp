@@ -170,8 +170,8 @@ TEST(Stream, AnswersOverSeveralTilesKeepThePromise) {
 // ---- later tiles -------------------------------------------------------------------------------------
 
 struct Seen {
-  std::vector<double> heights;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  Array<double> heights;
+  Array<std::array<std::uint32_t, 3>> triangles;
   friend bool operator==(const Seen&, const Seen&) = default;
 };
 

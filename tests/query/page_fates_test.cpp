@@ -183,6 +183,15 @@ TEST_F(Fates, OfARectangleAndOfAnIncrementAreThoseOfEveryStoredPage) {
     EXPECT_GT(count, 0u) << "some fate was never tried";
 }
 
+TEST_F(Fates, AreTheSameWhoeverCounts) {
+  const Snapshot several = Database::open(folder / "a.talus", {.threads = 4}).snapshot();
+  for (const double tolerance : {2.0, 60.0}) {
+    const QueryCost cost = several.range(extent(), Metres{tolerance}).cost;
+    expect_same(cost.bands, now->range(extent(), Metres{tolerance}).cost.bands);
+    expect_sums(cost);
+  }
+}
+
 TEST_F(Fates, OfPointsAreThoseOfWhatTheyDependOn) {
   const StoredPages& pages = pages_of(*now);
   const Expected expected{pages};

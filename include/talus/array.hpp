@@ -1,0 +1,40 @@
+#pragma once
+// Arrays as large as an answer.
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace talus {
+
+namespace detail {
+/// From a megabyte up in the system's large pages, where it has them: a fresh page of memory costs more than what goes in.
+/// fails  std::bad_alloc
+[[nodiscard]] void* allocate_large(std::size_t bytes);
+void free_large(void* memory) noexcept;
+}  // namespace detail
+
+/// Leaves new elements as they are, instead of writing zeros that are overwritten at once.
+template <class T>
+struct ArrayAllocator {
+  using value_type = T;
+  ArrayAllocator() = default;
+  template <class U>
+  explicit ArrayAllocator(const ArrayAllocator<U>&) {}
+
+  [[nodiscard]] T* allocate(std::size_t count) { return static_cast<T*>(detail::allocate_large(count * sizeof(T))); }
+  void deallocate(T* memory, std::size_t) noexcept { detail::free_large(memory); }
+  void construct(T*) {}
+  template <class... Arguments>
+  void construct(T* at, Arguments&&... arguments) {
+    std::construct_at(at, std::forward<Arguments>(arguments)...);
+  }
+  friend bool operator==(ArrayAllocator, ArrayAllocator) { return true; }
+};
+
+/// A std::vector of plain numbers and points whose resize does not set what it adds.
+template <class T>
+using Array = std::vector<T, ArrayAllocator<T>>;
+
+}  // namespace talus
