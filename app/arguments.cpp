@@ -170,8 +170,9 @@ std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
   std::vector<std::string> joined;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--from" || word == "--void-weight" ||
-                              word == "--focus" || word == "--line" || word == "--surface";
+    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--from" ||
+                              word == "--void-weight" || word == "--focus" || word == "--line" || word == "--point" ||
+                              word == "--surface";
     if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
         arguments[i + 1][1] != '-') {
       joined.push_back(word + "=" + arguments[++i]);

@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "app/explain.hpp"
 #include "app/interrupt.hpp"
 #include "app/report.hpp"
 #include "talus/stream.hpp"
 
 namespace talus::app {
 
-Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, const std::vector<std::string>& outputs,
-                     bool json) {
+Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to,
+                     const std::vector<std::string>& outputs, bool json, bool explain) {
   for (const std::string& output : outputs) {
     if (is_stream_file(output)) continue;
     throw Failure(Cause::invalid_argument,
@@ -17,21 +18,28 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
   }
   const Description& description = now.description();
   const Increment increment = now.increment(region, from, to);
-  for (const std::string& output : outputs) {
-    const HoldInterrupts whole_file_or_none;
-    write_stream({description, increment}, output);
-  }
+  Stages stages;
+  stages.add(increment.cost);
+  const auto write = [&] {
+    for (const std::string& output : outputs) {
+      const HoldInterrupts whole_file_or_none;
+      write_stream({description, increment}, output);
+    }
+  };
+  if (!outputs.empty()) stages.time("write", write);
   const RestrictedQuadtree& added = increment.added;
   if (json) {
-    print(Json{{"region", bounds(description, region)},
-               {"from", from.value},
-               {"tolerance", to.value},
-               {"bound", added.bound.value},
-               {"vertices", added.vertices.size()},
-               {"pages_read", increment.cost.pages_read},
-               {"bytes_read", increment.cost.bytes_read},
-               {"seconds", increment.cost.seconds},
-               {"output", outputs}});
+    Json object{{"region", bounds(description, region)},
+                {"from", from.value},
+                {"tolerance", to.value},
+                {"bound", added.bound.value},
+                {"vertices", added.vertices.size()},
+                {"pages_read", increment.cost.pages_read},
+                {"bytes_read", increment.cost.bytes_read},
+                {"seconds", increment.cost.seconds},
+                {"output", outputs}};
+    if (explain) object["explain"] = explained(increment.cost, stages);
+    print(object);
     return Exit::done;
   }
   Table table;
@@ -44,7 +52,7 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
                                 sized(increment.cost.bytes_read)));
   table.add("time", timed(increment.cost.seconds));
   for (const std::string& output : outputs) table.add("output", output);
-  print(table);
+  print(table.text() + (explain ? explained_text(increment.cost, stages) : ""));
   return Exit::done;
 }
 

@@ -10,7 +10,7 @@
 namespace talus::app {
 
 /// Writes what an answer at `from` lacks of one at `to`. Fails with invalid_argument where an output is no .rqt.
-Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, const std::vector<std::string>& outputs,
-                     bool json);
+Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to,
+                     const std::vector<std::string>& outputs, bool json, bool explain);
 
 }  // namespace talus::app

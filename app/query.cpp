@@ -11,7 +11,9 @@
 #include "app/answers.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/explain.hpp"
 #include "app/increment.hpp"
+#include "app/interest.hpp"
 #include "app/outputs.hpp"
 #include "app/report.hpp"
 #include "talus/database.hpp"
@@ -20,12 +22,19 @@ namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, tolerance, from, bbox, border = "constrain", focus;
+  std::string database, tolerance, from, bbox, border = "constrain", focus, tolerance_raster;
   std::int32_t snap = 1;
   int max_level = -1;
   Budget budget;
   std::vector<std::string> outputs, neighbours;
-  bool json = false;
+  Interest interest;
+  bool json = false, explain = false;
+
+  /// Nothing but a rectangle with a constrained border and one tolerance.
+  [[nodiscard]] bool is_plain() const {
+    return border == "constrain" && focus.empty() && tolerance_raster.empty() && max_level < 0 && neighbours.empty() &&
+           interest.is_empty();
+  }
 };
 
 void check_output(const std::string& output, const std::string& database) {
@@ -60,21 +69,21 @@ std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& 
   return neighbours;
 }
 
-Question question_of(const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle) {
+Question question_of(const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle,
+                     const Places& places, Stages& stages) {
   const Description& d = now.description();
   Question question;
   question.region = snapped(rectangle ? now.region(*rectangle) : d.extent, request.snap, d.extent);
   question.border = parse_border(request.border);
   if (request.max_level >= 0) question.max_level = request.max_level;
-  if (request.tolerance.empty()) {
-    if (question.border != Border::constrain || !request.focus.empty() || request.max_level >= 0 ||
-        !request.neighbours.empty()) {
-      throw Failure(
-          Cause::invalid_argument,
-          "a budget finds the tolerance of a constrained border: without --focus, --max-level, --match and other "
-          "borders");
-    }
-    question.tolerance = now.tolerance_for(question.region, request.budget);
+  question.points = samples_of(places, d, question.region);
+  if (!request.tolerance_raster.empty()) {
+    stages.time("read the tolerances",
+                [&] { question.field = tolerance_of_raster(request.tolerance_raster, d, question.region); });
+  } else if (request.tolerance.empty()) {
+    QueryCost search;
+    question.tolerance = now.tolerance_for(question.region, request.budget, search);
+    stages.add_search(search);
   } else {
     question.tolerance = parse_tolerance(request.tolerance);
   }
@@ -95,19 +104,34 @@ void require_fit_for_streams(const Request& request) {
                     "cover, or for a .ply or .obj",
                     output));
   }
-  const bool is_plain =
-      request.border == "constrain" && request.focus.empty() && request.max_level < 0 && request.neighbours.empty();
-  if (is_plain || request.from.empty()) return;
+  if (request.is_plain() || request.from.empty()) return;
   throw Failure(Cause::invalid_argument,
                 "--from goes on from an answer of one tolerance with a constrained border, without "
-                "--border, --focus, --max-level and --match");
+                "--border, --focus, --max-level, --match, --tolerance-raster, points and lines");
+}
+
+/// One thing decides about the tolerance.
+void require_tolerance(const Request& request) {
+  const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
+  const bool has_raster = !request.tolerance_raster.empty();
+  if (int{has_budget} + int{has_raster} + int{!request.tolerance.empty()} != 1) {
+    throw Failure(Cause::invalid_argument,
+                  "expected --tolerance M, or one of these instead: a budget, --max-vertices or --max-triangles, or "
+                  "--tolerance-raster");
+  }
+  if (has_budget && !request.is_plain()) {
+    throw Failure(Cause::invalid_argument,
+                  "a budget finds the tolerance of a constrained border: without --focus, --max-level, --match, "
+                  "points, lines and "
+                  "other borders");
+  }
+  if (has_raster && !request.focus.empty())
+    throw Failure(Cause::invalid_argument,
+                  "--focus and --tolerance-raster both say where which tolerance is: expected one");
 }
 
 Exit run(const Request& request) {
-  const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
-  if (request.tolerance.empty() != has_budget)
-    throw Failure(Cause::invalid_argument,
-                  "expected --tolerance M, or a budget instead: --max-vertices, --max-triangles");
+  require_tolerance(request);
   // What is misspelt is said before a file is opened.
   if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
@@ -116,44 +140,55 @@ Exit run(const Request& request) {
   require_fit_for_streams(request);
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
+  const Places places = read_places(request.interest);
   for (const std::string& output : request.outputs) check_output(output, request.database);
 
   const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
   const Snapshot now = Database::open(request.database).snapshot();
   const Description& description = now.description();
   const auto start = std::chrono::steady_clock::now();
-  Question question = question_of(request, now, rectangle);
-  const Metres tolerance = question.tolerance;
+  Stages stages;
+  Question question = question_of(request, now, rectangle, places, stages);
+  const bool by_raster = !request.tolerance_raster.empty();
+  const Metres tolerance = by_raster ? Metres{question.field->least(question.region)} : question.tolerance;
   if (!request.from.empty()) {
     return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, request.outputs,
-                           request.json);
+                           request.json, request.explain);
   }
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
   const Answer answer = now.ask(question);
-  Mesh mesh = triangulate(answer.quadtree);
-  if (question.border == Border::clip && rectangle) mesh = clip_mesh(mesh, now.frame(*rectangle));
+  stages.add(answer.cost);
+  Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree); });
+  if (question.border == Border::clip && rectangle)
+    mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.frame(*rectangle)); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  write_outputs(answer.quadtree, mesh, description, request.outputs);
+  if (!request.outputs.empty())
+    stages.time("write", [&] { write_outputs(answer.quadtree, mesh, description, request.outputs); });
 
   if (request.json) {
-    print(Json{{"region", bounds(description, mesh.region)},
-               {"tolerance", tolerance.value},
-               {"bound", answer.quadtree.bound.value},
-               {"vertices", mesh.size()},
-               {"triangles", mesh.triangles.size()},
-               {"border_vertices", answer.border_vertices},
-               {"matching_vertices", answer.matching_vertices},
-               {"unmatched_vertices", answer.unmatched.size()},
-               {"pages_read", answer.cost.pages_read},
-               {"bytes_read", answer.cost.bytes_read},
-               {"seconds", seconds},
-               {"output", request.outputs}});
+    Json object{{"region", bounds(description, mesh.region)},
+                {"tolerance", tolerance.value},
+                {"bound", answer.quadtree.bound.value},
+                {"vertices", mesh.size()},
+                {"triangles", mesh.triangles.size()},
+                {"border_vertices", answer.border_vertices},
+                {"matching_vertices", answer.matching_vertices},
+                {"unmatched_vertices", answer.unmatched.size()},
+                {"point_vertices", answer.point_vertices},
+                {"void_points", answer.void_points},
+                {"pages_read", answer.cost.pages_read},
+                {"bytes_read", answer.cost.bytes_read},
+                {"seconds", seconds},
+                {"output", request.outputs}};
+    if (request.explain) object["explain"] = explained(answer.cost, stages);
+    print(object);
     return Exit::done;
   }
   Table table;
   table.add("region", bounds_text(description, mesh.region));
-  table.add("tolerance", metres(tolerance.value));
+  table.add("tolerance", by_raster ? fmt::format("{} or more, by {}", metres(tolerance.value), request.tolerance_raster)
+                                   : metres(tolerance.value));
   table.add("bound", metres(answer.quadtree.bound.value));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
@@ -167,12 +202,18 @@ Exit run(const Request& request) {
                           "there are cracks",
                           counted(answer.unmatched.size())));
   }
+  if (!request.interest.is_empty()) {
+    table.add("points", fmt::format("{} samples, {} of the vertices are for them alone",
+                                    counted(question.points.size()), counted(answer.point_vertices)));
+    if (answer.void_points > 0)
+      table.add("", fmt::format("{} of them have no data and are no vertices", counted(answer.void_points)));
+  }
   if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));
   table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
                                 sized(answer.cost.bytes_read)));
   table.add("time", timed(seconds));
   for (const std::string& output : request.outputs) table.add("output", output);
-  print(table);
+  print(table.text() + (request.explain ? explained_text(answer.cost, stages) : ""));
   return Exit::done;
 }
 
@@ -209,6 +250,13 @@ void add_query(CLI::App& program, Action& action) {
                    "The tolerance is M at a point and grows by so many metres with each metre from it")
       ->option_text("=X,Y,METRES_PER_METRE");
   command
+      ->add_option("--tolerance-raster", request->tolerance_raster,
+                   "Instead of a tolerance: a raster of one band with metres. Each sample has the tolerance of\n"
+                   "the cell it lies in; one that is not georeferenced lies evenly over the rectangle")
+      ->option_text("FILE")
+      ->check(is_named);
+  add_interest(command, request->interest);
+  command
       ->add_option("--match", request->neighbours,
                    "An answer of another rectangle with the same side, or part of one: its vertices there\n"
                    "become vertices here, so that the two meet at any tolerances. Ask for the finer one\n"
@@ -230,6 +278,8 @@ void add_query(CLI::App& program, Action& action) {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_flag("--explain", request->explain,
+                    "Print also which pages were read, which were left out and why, and where time went");
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"
@@ -239,10 +289,18 @@ void add_query(CLI::App& program, Action& action) {
       "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
       "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
       "out in the source's vertical unit.\n"
+      "\n"
+      "Points and lines are in the database's CRS, within the rectangle. Samples nearest to them become vertices; "
+      "those\n"
+      "without data do not, and are counted. The edges of the mesh need not follow a line. A raster of tolerances "
+      "must\n"
+      "cover the rectangle and be in the database's CRS; a cell in which a sample lies must not be void or negative.\n"
       "\nExample:\n"
       "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png\n"
       "  talus query alps.talus --max-triangles 100000 -o overview.ply\n"
       "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply\n"
+      "  talus query alps.talus --tolerance 20 --point=7.66,45.98 --lines roads.txt -o roads.ply\n"
+      "  talus query alps.talus --tolerance 2 --explain\n"
       "  talus query alps.talus --tolerance 1 --bbox=7.5,45.9,7.7,46.1 -o west.ply -o west.rqt\n"
       "  talus query alps.talus --tolerance 20 --bbox=7.7,45.9,7.9,46.1 --match west.rqt -o east.ply");
   command->callback([request, &action] { action = [request] { return run(*request); }; });

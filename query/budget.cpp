@@ -14,6 +14,7 @@
 #include "query/found.hpp"
 #include "query/nearby_pages.hpp"
 #include "query/question.hpp"
+#include "query/stopwatch.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -23,11 +24,12 @@ namespace {
 /// are left hold nothing above the tolerance that fits, they need not be read.
 class Fitting {
  public:
-  Fitting(const StoredPages& pages, GridRect region, const Budget& budget)
+  Fitting(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost)
       : pages_(pages),
         region_(region),
         budget_(budget),
         extent_(pages.manifest().description.extent),
+        cost_(cost),
         nearby_(pages, cost_) {}
 
   Metres run() {
@@ -155,7 +157,7 @@ class Fitting {
   GridRect region_;
   const Budget& budget_;
   GridRect extent_;
-  QueryCost cost_;
+  QueryCost& cost_;
   NearbyPages nearby_;
   std::unordered_set<std::uint64_t> forced_;
   Sum border_;
@@ -165,10 +167,12 @@ class Fitting {
 
 }  // namespace
 
-Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget) {
+Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost) {
   require_inside(pages, region);
   if (budget.vertices == 0 && budget.triangles == 0) return Metres{0};
-  return Fitting(pages, region, budget).run();
+  cost = pages.cost_of_header();
+  const Stopwatch running(cost.seconds);
+  return Fitting(pages, region, budget, cost).run();
 }
 
 }  // namespace talus

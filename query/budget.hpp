@@ -7,6 +7,6 @@
 namespace talus {
 
 /// See Snapshot::tolerance_for.
-[[nodiscard]] Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget);
+[[nodiscard]] Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost);
 
 }  // namespace talus

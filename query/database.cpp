@@ -139,7 +139,12 @@ std::vector<Answer> Snapshot::ask_together(std::span<const Question> patches) co
 }
 
 Metres Snapshot::tolerance_for(GridRect region, const Budget& budget) const {
-  return talus::tolerance_for(view_->pages, region, budget);
+  QueryCost unused;
+  return tolerance_for(region, budget, unused);
+}
+
+Metres Snapshot::tolerance_for(GridRect region, const Budget& budget, QueryCost& cost) const {
+  return talus::tolerance_for(view_->pages, region, budget, cost);
 }
 
 Mesh Snapshot::mesh(Metres tolerance) const {

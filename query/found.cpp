@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/parallel.hpp"
+#include "query/stopwatch.hpp"
 
 namespace talus {
 namespace {
@@ -54,6 +55,7 @@ void FoundVertices::take(const Page& page, std::span<const PageSample> samples) 
 }
 
 RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices) const {
+  const Stopwatch gathering(cost_.gathering_seconds);
   const FoundVertices* const self = this;
   return quadtree({&self, 1}, region, std::move(vertices), 1);
 }

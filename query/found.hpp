@@ -77,7 +77,7 @@ struct PageSample {
 /// Collects vertices page by page, then makes a quadtree of them.
 class FoundVertices {
  public:
-  FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), kept_(pages, cost) {}
+  FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost), kept_(pages, cost) {}
   FoundVertices(const FoundVertices&) = delete;
   FoundVertices& operator=(const FoundVertices&) = delete;
 
@@ -109,6 +109,7 @@ class FoundVertices {
   };
 
   const StoredPages& pages_;
+  QueryCost& cost_;
   KeptHeights kept_;
   LargePages large_;
   std::pmr::monotonic_buffer_resource memory_{std::size_t{1} << 16, &large_};

@@ -11,6 +11,7 @@
 
 #include "engine/border.hpp"
 #include "query/found.hpp"
+#include "query/page_fates.hpp"
 #include "query/question.hpp"
 
 namespace talus {
@@ -30,10 +31,12 @@ class IncrementQuery {
         vertices_(region),
         levels_(manifest_.description.extent),
         cost_(pages.cost_of_header()),
+        fates_(pages, region, cost_),
         found_(pages, cost_) {}
 
   Increment run() {
     const auto started = std::chrono::steady_clock::now();
+    fates_.begin();
     for (const GridPoint p : border_vertices(region_, root_side(manifest_.description.extent))) forced_.insert(p);
     const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
     for (std::size_t i = 0; i < tops.size(); ++i) {
@@ -60,6 +63,7 @@ class IncrementQuery {
 
   void visit(PageId id, std::uint32_t generation) {
     const Page& page = pages_.get(id, generation, decoder_, cost_);
+    fates_.look_into(page, true);
     select(page);
     const std::vector<ChildEntry> children = page.children;  // the page's memory is the next page's
     for (std::size_t i = 0; i < children.size(); ++i) {
@@ -99,6 +103,7 @@ class IncrementQuery {
   LargestAbsent absent_;
   LargestByLevel levels_;
   QueryCost cost_;
+  PageFates fates_;
   FoundVertices found_;
 };
 

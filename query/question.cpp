@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -35,43 +34,6 @@ class FocusTolerance final : public ToleranceField {
   double col_, row_, right_, down_, growth_, at_focus_;
 };
 
-class PatchTolerance final : public ToleranceField {
- public:
-  PatchTolerance(GridRect region, std::int32_t cols, std::int32_t rows, std::vector<double> metres)
-      : region_(region),
-        cols_(cols),
-        rows_(rows),
-        width_((region.cols() + cols - 1) / cols),
-        height_((region.rows() + rows - 1) / rows),
-        metres_(std::move(metres)) {}
-
-  [[nodiscard]] double at(GridPoint p) const override { return least({p, p}); }
-  [[nodiscard]] double least(GridRect r) const override {
-    constexpr double kNone = std::numeric_limits<double>::infinity();
-    if (r.first.col > region_.last.col || r.last.col < region_.first.col || r.first.row > region_.last.row ||
-        r.last.row < region_.first.row)
-      return kNone;
-    const auto patch = [](std::int64_t v, std::int64_t first, std::int64_t size, std::int64_t count) {
-      return std::clamp<std::int64_t>((v - first) / size, 0, count - 1);
-    };
-    const std::int64_t x0 = patch(std::max(r.first.col, region_.first.col), region_.first.col, width_, cols_);
-    const std::int64_t x1 = patch(std::min(r.last.col, region_.last.col), region_.first.col, width_, cols_);
-    const std::int64_t y0 = patch(std::max(r.first.row, region_.first.row), region_.first.row, height_, rows_);
-    const std::int64_t y1 = patch(std::min(r.last.row, region_.last.row), region_.first.row, height_, rows_);
-    double least = kNone;
-    for (std::int64_t y = y0; y <= y1; ++y) {
-      for (std::int64_t x = x0; x <= x1; ++x) least = std::min(least, metres_[static_cast<std::size_t>(y * cols_ + x)]);
-    }
-    return least;
-  }
-
- private:
-  GridRect region_;
-  std::int32_t cols_, rows_;
-  std::int64_t width_, height_;
-  std::vector<double> metres_;
-};
-
 }  // namespace
 
 std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double x, double y, double metres_per_metre,
@@ -87,19 +49,6 @@ std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, doub
     refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
   return std::make_shared<FocusTolerance>((x - d.mapping.x0) / d.mapping.dx, (y - d.mapping.y0) / d.mapping.dy, right,
                                           down, metres_per_metre, at_focus.value);
-}
-
-std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
-                                                      std::vector<double> metres) {
-  if (cols < 1 || rows < 1 || cols > region.cols() || rows > region.rows()) {
-    refuse(fmt::format("{} x {} patches of tolerance: expected from 1 to as many as the region's {} x {} samples", cols,
-                       rows, region.cols(), region.rows()));
-  }
-  if (metres.size() != static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows)) {
-    refuse(fmt::format("{} tolerances for {} x {} patches: expected one a patch", metres.size(), cols, rows));
-  }
-  for (const double m : metres) require_tolerance(Metres{m});
-  return std::make_shared<PatchTolerance>(region, cols, rows, std::move(metres));
 }
 
 GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {

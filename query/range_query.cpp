@@ -10,7 +10,9 @@
 #include "engine/border.hpp"
 #include "engine/parallel.hpp"
 #include "query/found.hpp"
+#include "query/page_fates.hpp"
 #include "query/question.hpp"
+#include "query/stopwatch.hpp"
 
 namespace talus {
 namespace {
@@ -19,6 +21,7 @@ namespace {
 struct Wanted {
   PageId id;
   std::uint32_t generation;
+  bool is_above;  ///< it may hold something above the tolerance; else only the border needs it
 };
 
 class RangeQuery {
@@ -33,16 +36,17 @@ class RangeQuery {
         threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)),
         above_(tolerance_, pages.distance()),
         vertices_(region) {
-    for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages));
+    for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region));
   }
 
   Answer run() {
     const auto started = std::chrono::steady_clock::now();
     force_border();
+    workers_.front()->fates.begin();
     std::vector<Wanted> pages;
     const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
     for (std::size_t i = 0; i < tops.size(); ++i) {
-      if (overlap(page_square(tops[i]), region_)) pages.push_back({tops[i], manifest_.top_generations[i]});
+      if (overlap(page_square(tops[i]), region_)) pages.push_back({tops[i], manifest_.top_generations[i], true});
     }
     // The coarsest pages first, until there is enough to share.
     const std::size_t enough = threads_ == 1 ? 0 : kTasksAThread * static_cast<std::size_t>(threads_);
@@ -65,9 +69,10 @@ class RangeQuery {
 
   /// What a thread has found, and what it needs to find more.
   struct Worker {
-    explicit Worker(const StoredPages& pages)
-        : cost(), found(pages, cost), levels(pages.manifest().description.extent) {}
+    Worker(const StoredPages& pages, GridRect region)
+        : fates(pages, region, cost), found(pages, cost), levels(pages.manifest().description.extent) {}
     QueryCost cost;
+    PageFates fates;
     FoundVertices found;
     LargestAbsent absent;
     LargestByLevel levels;
@@ -89,12 +94,16 @@ class RangeQuery {
       found.push_back(&worker->found);
       answer.border_vertices += worker->forced_alone;
     }
-    answer.quadtree = FoundVertices::quadtree(found, region_, std::move(vertices_), threads_);
+    {
+      const Stopwatch gathering(answer.cost.gathering_seconds);
+      answer.quadtree = FoundVertices::quadtree(found, region_, std::move(vertices_), threads_);
+    }
     answer.quadtree.tolerance = Metres{asked_};
     answer.quadtree.bound = bound_of(pages_, absent, tolerance_);
     answer.quadtree.level_errors = levels.metres(pages_);
     answer.quadtree.origin = {pages_.identity(), Border::constrain, true};
     for (const auto& worker : workers_) answer.cost += worker->cost;
+    answer.cost.reading_seconds /= threads_;
     answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     return answer;
   }
@@ -120,6 +129,7 @@ class RangeQuery {
   /// Takes from a page what it has, and names the pages below it that are to be looked into.
   void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
     const Page& page = pages_.get(wanted.id, wanted.generation, worker.decoder, worker.cost);
+    worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
     for (std::size_t i = 0; i < page.children.size(); ++i) {
       const PageId child = child_page(wanted.id, i);
@@ -129,7 +139,7 @@ class RangeQuery {
       // be known then: so increments, which do not read it, have the same bound.
       const bool is_wanted = above_(entry.largest);
       if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
-      if (is_wanted || is_forced(child)) below.push_back({child, entry.generation});
+      if (is_wanted || is_forced(child)) below.push_back({child, entry.generation, is_wanted});
     }
   }
 

@@ -1,10 +1,10 @@
 #include "query/selection.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <memory>
 #include <unordered_set>
+#include <utility>
 
 #include "engine/border.hpp"
 #include "engine/construction.hpp"
@@ -12,6 +12,8 @@
 #include "query/found.hpp"
 #include "query/matching.hpp"
 #include "query/nearby_pages.hpp"
+#include "query/page_fates.hpp"
+#include "query/stopwatch.hpp"
 
 namespace talus {
 namespace {
@@ -26,19 +28,6 @@ GridRect around(GridRect r, std::int32_t reach) {
   return {{r.first.col - reach, r.first.row - reach}, {r.last.col + reach, r.last.row + reach}};
 }
 
-/// Adds the time of a step to what the question costs.
-class Stopwatch {
- public:
-  explicit Stopwatch(QueryCost& cost) : cost_(cost) {}
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-  ~Stopwatch() { cost_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count(); }
-
- private:
-  QueryCost& cost_;
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-};
-
 class Selection {
  public:
   Selection(const StoredPages& pages, const Question& question)
@@ -51,22 +40,27 @@ class Selection {
         above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
         finest_height_(std::max(0, finest_level(extent_) - question.max_level)),
         cost_(pages.cost_of_header()),
+        fates_(pages, question.region, cost_, finest_height_),
         nearby_(pages, cost_),
         found_(pages, cost_),
-        marked_(static_cast<std::size_t>(pages.manifest().bands)) {}
+        looked_into_(static_cast<std::size_t>(pages.manifest().bands)),
+        marked_(looked_into_.size()) {}
 
   /// What the question asks for by itself.
   void choose() {
-    const Stopwatch running(cost_);
+    const Stopwatch running(cost_.seconds);
+    fates_.begin();
     choose_forced();
     const Manifest& manifest = pages_.manifest();
     const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
     for (std::size_t i = 0; i < tops.size(); ++i) {
       if (overlap(page_square(tops[i]), question_.region)) choose(tops[i], manifest.top_generations[i]);
     }
-    for (const GridPoint p : question_.points) vertices_.insert(p);
-    // A tolerance above all errors of one level selects a closed set; these may not.
-    if (question_.field || !question_.points.empty()) close_bottom_up(vertices_, root_);
+    // A tolerance above all errors of one level selects a closed set; one that varies may not.
+    if (question_.field) close_bottom_up(vertices_, root_);
+    if (question_.points.empty()) return;
+    for_points_ = insert_points();
+    for_points_ += close_bottom_up(vertices_, root_);
   }
 
   [[nodiscard]] const GridRect& region() const { return question_.region; }
@@ -74,7 +68,7 @@ class Selection {
 
   /// Takes what a neighbour has on shared sides, with all it depends on. Returns whether there was anything new.
   bool match(GridRect neighbour, const VertexMask& its_vertices) {
-    const Stopwatch running(cost_);
+    const Stopwatch running(cost_.seconds);
     std::uint64_t added = 0;
     for_each_on_shared_sides(its_vertices, neighbour, question_.region, [&](GridPoint p) {
       if (vertices_.contains(p)) return;
@@ -90,7 +84,7 @@ class Selection {
   Answer gather() {
     Answer answer;
     {
-      const Stopwatch running(cost_);
+      const Stopwatch running(cost_.seconds);
       gather_into(answer);
     }
     answer.cost = cost_;
@@ -99,16 +93,15 @@ class Selection {
 
  private:
   void gather_into(Answer& answer) {
-    mark_pages();
-    const Manifest& manifest = pages_.manifest();
-    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
-    for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
+    gather_pages();
     answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
     answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
     answer.quadtree.bound = bound_of(pages_, absent_, largest_tolerance());
     answer.quadtree.origin = {pages_.identity(), question_.border, false};
     answer.border_vertices = forced_alone_;
     answer.matching_vertices = matching_;
+    answer.point_vertices = for_points_;
+    answer.void_points = void_points_;
     for (const RestrictedQuadtree* neighbour : question_.neighbours) {
       for_each_on_shared_sides(answer.quadtree.vertices, question_.region, neighbour->region, [&](GridPoint p) {
         if (!neighbour->vertices.contains(p)) answer.unmatched.push_back(p);
@@ -179,6 +172,7 @@ class Selection {
 
   void choose(PageId id, std::uint32_t generation) {
     const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
+    look_into(*page, true);
     for_each_own(*page, question_.region, [&](std::int32_t col, std::int32_t row) {
       const GridPoint p = page->grid.at(col, row);
       const std::size_t i = page->index(col, row);
@@ -202,6 +196,51 @@ class Selection {
   /// Holds a level that may be selected.
   [[nodiscard]] bool is_fine_enough(PageId id) const { return band_shift(id.band + 1) > finest_height_; }
 
+  void look_into(const Page& page, bool is_wanted) {
+    const bool is_first = looked_into_[static_cast<std::size_t>(page.id.band)].insert(curve_position(page.id)).second;
+    if (is_first) fates_.look_into(page, is_wanted);
+  }
+
+  /// Returns how many of the points are new; void samples are left out and counted.
+  std::uint64_t insert_points() {
+    const int bands = pages_.manifest().bands;
+    const auto place = [&](GridPoint p) {
+      const PageId id = page_of(p, band_of(p, bands));
+      return std::pair(id.band, curve_position(id));
+    };
+    std::vector<GridPoint> points = question_.points;  // page by page
+    std::sort(points.begin(), points.end(), [&](GridPoint a, GridPoint b) { return place(a) < place(b); });
+    std::uint64_t added = 0;
+    for (const GridPoint p : points) {
+      const Page* page = nearby_.page_of_vertex(p);
+      if (page == nullptr || !is_data(*page, p)) {
+        ++void_points_;
+      } else if (!vertices_.contains(p)) {
+        vertices_.insert(p);
+        ++added;
+      }
+    }
+    return added;
+  }
+  static bool is_data(const Page& page, GridPoint p) {
+    if (page.valid.empty()) return true;
+    const std::int32_t col = (p.col >> page.grid.shift) - page.grid.first.col;
+    const std::int32_t row = (p.row >> page.grid.shift) - page.grid.first.row;
+    return page.valid[page.index(col, row)] != 0;
+  }
+
+  void gather_pages() {
+    const double reading_before = cost_.reading_seconds;
+    {
+      const Stopwatch gathering(cost_.gathering_seconds);
+      mark_pages();
+      const Manifest& manifest = pages_.manifest();
+      const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+      for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
+    }
+    cost_.gathering_seconds -= cost_.reading_seconds - reading_before;
+  }
+
   /// Pages of the chosen vertices, and all above them.
   void mark_pages() {
     const int bands = pages_.manifest().bands;
@@ -220,6 +259,7 @@ class Selection {
   void gather(PageId id, std::uint32_t generation) {
     if (!marked_[static_cast<std::size_t>(id.band)].contains(curve_position(id))) return;
     const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
+    look_into(*page, false);
     found_.begin_page();
     for_each_own(*page, vertices_.region(), [&](std::int32_t col, std::int32_t row) {
       if (vertices_.contains(page->grid.at(col, row))) found_.take(*page, col, row);
@@ -239,13 +279,17 @@ class Selection {
   Above above_;
   int finest_height_;  ///< log2 of the smallest spacing that max_level allows
   QueryCost cost_;
+  PageFates fates_;
   NearbyPages nearby_;
   FoundVertices found_;
   VertexMask vertices_;
   std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
   std::uint64_t matching_ = 0;      ///< vertices that only neighbours need
+  std::uint64_t for_points_ = 0;    ///< vertices that only points need
+  std::uint64_t void_points_ = 0;
   LargestAbsent absent_;
-  std::vector<std::unordered_set<std::uint64_t>> marked_;  ///< by band, positions on the curve
+  std::vector<std::unordered_set<std::uint64_t>> looked_into_;  ///< by band, positions on the curve
+  std::vector<std::unordered_set<std::uint64_t>> marked_;       ///< the same
 };
 
 }  // namespace

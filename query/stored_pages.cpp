@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "query/extent_border.hpp"
+#include "query/stopwatch.hpp"
 #include "storage/checksum.hpp"
 
 namespace talus {
@@ -53,14 +54,36 @@ StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cach
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
 
+namespace {
+
+/// Null where a cost is not told by band.
+BandCost* band_in(QueryCost& cost, PageId id) {
+  const auto band = static_cast<std::size_t>(id.band);
+  return band < cost.bands.size() ? &cost.bands[band] : nullptr;
+}
+
+}  // namespace
+
+QueryCost StoredPages::cost_of_header() const {
+  QueryCost cost;
+  cost.pages_read = 1;
+  cost.bytes_read = header_bytes_;
+  cost.bands.resize(static_cast<std::size_t>(manifest_.bands));
+  for (int band = 0; band < manifest_.bands; ++band)
+    cost.bands[static_cast<std::size_t>(band)].spacing = band_spacing(band);
+  return cost;
+}
+
 StoredPage StoredPages::find(PageId id, QueryCost& cost) const {
   const auto stored = txn_.find({id.band, curve_position(id)});
   if (!stored) {
     throw Failure(Cause::corrupt,
                   fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band));
   }
+  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes;
   ++cost.pages_read;
-  cost.bytes_read += stored->content.size() + kPagePrefixBytes;
+  cost.bytes_read += bytes;
+  if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
   return *stored;
 }
 
@@ -72,6 +95,7 @@ void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage&
 }
 
 const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
+  const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
   return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
@@ -81,6 +105,7 @@ std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generat
   const PageCache::Key key{id.band, curve_position(id), generation};
   if (auto page = cache_->find(key)) {
     ++cost.pages_cached;
+    if (BandCost* band = band_in(cost, id)) ++band->pages_cached;
     return page;
   }
   const PageCache::BorrowedDecoder decoder = cache_->borrow_decoder();
@@ -88,6 +113,7 @@ std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generat
 }
 
 const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
+  const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);
   if (generation != nullptr) *generation = stored.generation;
   return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
@@ -95,6 +121,7 @@ const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, s
 
 const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
                                      QueryCost& cost) const {
+  const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
   return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);

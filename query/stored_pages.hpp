@@ -28,7 +28,8 @@ class StoredPages {
   [[nodiscard]] const ExtentBorder& extent_border() const;
   /// Of what the header's pages say, read when first asked for. An update changes it even where it changes nothing else.
   [[nodiscard]] Identity identity() const;
-  [[nodiscard]] QueryCost cost_of_header() const { return {1, header_bytes_, 0}; }
+  /// Nothing was asked yet; every band is there to be counted in.
+  [[nodiscard]] QueryCost cost_of_header() const;
 
   /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
   /// next. Adds what it cost.

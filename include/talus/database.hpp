@@ -27,6 +27,8 @@ struct Answer {
   /// Vertices on shared sides that a neighbour lacks: where there are any, the two meet with cracks until the neighbour is
   /// asked again with this answer as its neighbour.
   std::vector<GridPoint> unmatched = {};
+  std::uint64_t point_vertices = 0;  ///< that are there for Question::points alone, with all these depend on
+  std::uint64_t void_points = 0;     ///< points asked for that are no vertices, for they have no data
   QueryCost cost;
 };
 
@@ -126,6 +128,8 @@ class Snapshot {
   /// fails  invalid_argument: region as in range; a budget that the border alone exceeds, naming what it needs
   /// cost   pages with errors above the result, the border's pages
   [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget) const;
+  /// The same, and what it cost.
+  [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget, QueryCost& cost) const;
 
   /// What an answer at `from` lacks of the one at `to`, see Increment and merge. In a database that keeps the vertices of a
   /// tolerance only, answers at that tolerance and below have the same vertices: between two of them it is empty.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "talus/description.hpp"
@@ -37,12 +38,35 @@ class ToleranceField {
 [[nodiscard]] std::shared_ptr<const ToleranceField> focus_tolerance(const Description& description, double x, double y,
                                                                     double metres_per_metre, Metres at_focus);
 
-/// One tolerance a patch: `cols` × `rows` equal patches over a region, row by row from the north-west, the last of a row
-/// or column perhaps smaller. A sample on the line between patches belongs to the next one; samples beyond the region have
-/// infinity.
+/// One tolerance a patch: `cols` × `rows` patches over a region, as equal as whole samples allow, row by row from the
+/// north-west. Samples beyond the region have infinity.
 /// fails  invalid_argument: another number of metres than patches, negative or none; more patches than samples
 [[nodiscard]] std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
                                                                     std::vector<double> metres);
+
+/// One tolerance a cell of a raster: each sample of a region has that of the cell it lies in, on the line between two
+/// that of the next one. The outermost cells reach one sample further, so that a raster over the very rectangle that
+/// was asked for will do. Samples beyond the region have infinity.
+///
+/// cells   where the cells' centres are in the database's CRS, by column and row of `metres`
+/// metres  cells in which no sample lies are not looked at
+/// fails   invalid_argument: a sample in no cell; a cell that is void, negative or no number; names it
+[[nodiscard]] std::shared_ptr<const ToleranceField> raster_tolerance(const Description& description, GridRect region,
+                                                                     const GridMapping& cells,
+                                                                     const SampleWindow& metres);
+
+/// The samples nearest to points, for Question::points; of two that are as near, the one to the east or south.
+/// returns  as many, in their order
+/// fails    invalid_argument: a coordinate that is no finite number; a point whose sample is not in the region
+[[nodiscard]] std::vector<GridPoint> samples_nearest(const Description& description, GridRect region,
+                                                     std::span<const Position> points);
+
+/// The samples nearest to a line that is straight between its points: one a step along the longer axis of each part,
+/// and those nearest to its ends. Each is a neighbour of the one before, on the grid or across a cell. As vertices they
+/// hold the surface to the samples along the line; edges need not follow it. fails  invalid_argument: fewer than two
+/// points; as samples_nearest
+[[nodiscard]] std::vector<GridPoint> samples_along(const Description& description, GridRect region,
+                                                   std::span<const Position> line);
 
 /// Everything but the region and tolerance has a default that asks for nothing.
 struct Question {
@@ -54,7 +78,8 @@ struct Question {
   /// No vertex of a finer level, save where the border needs it; the answer's bound says what that costs. Level 0 is the
   /// coarsest: one vertex amid the root square.
   int max_level = 31;
-  /// Samples of the region that must be vertices, whatever their error.
+  /// Samples of the region that must be vertices, whatever their error. A void one is none for that: it is counted in
+  /// Answer::void_points and otherwise as if nobody had asked for it.
   std::vector<GridPoint> points = {};
   /// Answers that this one is to meet, each where it shares a side or a part of one with the region: its vertices there
   /// become vertices here, with all they depend on. Whole answers of this state of the database with a constrained border;
