@@ -45,7 +45,7 @@ class Databases {
     auto found = open_.find(name);
     if (found == open_.end()) {
       ingest(source(), folder_ / name, {.overwrite = true});
-      found = open_.emplace(name, Database::open(folder_ / name).snapshot()).first;
+      found = open_.emplace(name, Database::open(folder_ / name, {.cache_bytes = 0}).snapshot()).first;
     }
     return found->second;
   }

@@ -93,7 +93,7 @@ constexpr GridRect kTaiwanShifted{{4700, 8900}, {8796, 12996}};  // on no tile's
 void BM_Window4097_Warm(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file).snapshot();
+  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
   const Metres tolerance = now.tolerance_for(kTaiwanWindow, {.vertices = 2'000'000});
   Times asked, triangulated;
   std::size_t vertices = 0, triangles = 0;
@@ -120,12 +120,31 @@ void BM_Window4097_Warm(benchmark::State& state) {
 }
 BENCHMARK(BM_Window4097_Warm)->Iterations(kTurns)->UseManualTime()->Unit(benchmark::kMillisecond);
 
+/// The same window on two threads, against one: by the clock. Must: how many times as fast, at least.
+void BM_TwoThreadsAgainstOne(benchmark::State& state) {
+  const auto file = kept("taiwan_z13/taiwan.vrt");
+  if (!file) return state.SkipWithError(kNoModels);
+  const Snapshot one = Database::open(*file, {.cache_bytes = 0}).snapshot();
+  const Snapshot two = Database::open(*file, {.cache_bytes = 0, .threads = 2}).snapshot();
+  const Metres tolerance = one.tolerance_for(kTaiwanWindow, {.vertices = 2'000'000});
+  Times by_one, by_two;
+  for (auto _ : state) {
+    by_one.add([&] { benchmark::DoNotOptimize(triangulate(one.range(kTaiwanWindow, tolerance).quadtree).points.data()); });
+    by_two.add([&] { benchmark::DoNotOptimize(triangulate(two.range(kTaiwanWindow, tolerance).quadtree, 2).points.data()); });
+    state.SetIterationTime(by_two.last_by_clock());
+  }
+  say(state, by_one.by_clock() / by_two.by_clock(), 1.7);
+  state.counters["one_ms"] = 1000 * by_one.by_clock();
+  state.counters["two_ms"] = 1000 * by_two.by_clock();
+}
+BENCHMARK(BM_TwoThreadsAgainstOne)->Iterations(kTurns)->UseManualTime()->Unit(benchmark::kMillisecond);
+
 /// Pieces of the file that a window of 4097² reads, for each tier; `near`, if gaps of up to 64 KiB are none. Must: of
 /// the worst. LMDB's own pages are not counted.
 void BM_RunsOfWindow4097(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file).snapshot();
+  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
   const auto bands = static_cast<int>(now.storage().bands.size());
   const GridRect window = state.range(0) != 0 ? kTaiwanShifted : kTaiwanWindow;
   const Metres tolerance = now.tolerance_for(window, {.vertices = 2'000'000});
@@ -151,7 +170,7 @@ BENCHMARK(BM_RunsOfWindow4097)->ArgName("shifted")->Arg(0)->Arg(1)->Iterations(1
 void BM_PagesOfWholeTaiwan(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file).snapshot();
+  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
   const StorageSummary storage = now.storage();
   QueryCost cost;
   std::size_t vertices = 0;
@@ -198,7 +217,8 @@ void BM_HundredTimesTheGround(benchmark::State& state) {
   const auto piece = real_model("srtm3_S36E149.tif");
   if (!piece) return state.SkipWithError(kNoModels);
   const auto of = [&](int times) {
-    return Database::open(kept_database(fmt::format("repeated_{}", times), [&] { return repeated(*piece, times); }))
+    return Database::open(kept_database(fmt::format("repeated_{}", times), [&] { return repeated(*piece, times); }),
+                          {.cache_bytes = 0})
         .snapshot();
   };
   const Snapshot small = of(1), large = of(10);

@@ -112,7 +112,7 @@ Frame Snapshot::frame(const Rectangle& r) const {
 }
 
 Increment Snapshot::increment(GridRect region, Metres from, Metres to) const {
-  return increment_query(view_->pages, region, from, to);
+  return increment_query(view_->pages, region, from, to, view_->threads);
 }
 
 std::vector<double> Snapshot::errors(const RestrictedQuadtree& answer) const {

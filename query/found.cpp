@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/parallel.hpp"
+#include "engine/vector_clones.hpp"
 #include "query/stopwatch.hpp"
 
 namespace talus {
@@ -38,6 +39,16 @@ Above::Above(double tolerance_m, const CodeDistance& distance)
     : code_(largest_code_within(tolerance_m)),
       distance_(largest_distance_within(tolerance_m, distance)),
       eighths_(largest_eighths_within(distance_)) {}
+
+TALUS_CLONES LargestErrors largest_errors(std::span<const ErrorCode> codes, std::span<const std::int32_t> eighths) {
+  ErrorCode code = 0;
+  std::int32_t distance = -1;
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    code = std::max(code, codes[i]);
+    distance = std::max(distance, eighths[i]);
+  }
+  return {code, distance};
+}
 
 void FoundVertices::take(const Page& page, std::span<const PageSample> samples) {
   if (samples.empty()) return;

@@ -36,6 +36,13 @@ class Above {
   std::int32_t eighths_;
 };
 
+struct LargestErrors {
+  ErrorCode code = 0;
+  std::int32_t eighths = -1;
+};
+/// Of a stretch of a page's samples, many at once.
+[[nodiscard]] LargestErrors largest_errors(std::span<const ErrorCode> codes, std::span<const std::int32_t> eighths);
+
 /// The largest error that an answer leaves out.
 struct LargestAbsent {
   ErrorCode code = 0;

@@ -6,6 +6,6 @@
 namespace talus {
 
 /// See Snapshot::increment.
-[[nodiscard]] Increment increment_query(const StoredPages& pages, GridRect region, Metres from, Metres to);
+[[nodiscard]] Increment increment_query(const StoredPages& pages, GridRect region, Metres from, Metres to, int threads);
 
 }  // namespace talus

@@ -42,6 +42,7 @@ class PageCache {
   /// One that nobody else uses.
   [[nodiscard]] BorrowedDecoder borrow_decoder();
 
+  [[nodiscard]] std::uint64_t most_bytes() const { return most_bytes_of_shard_ * shards_.size(); }
   /// Of all pages kept now: never more than the bound.
   [[nodiscard]] std::uint64_t bytes() const;
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
+#include <type_traits>
 
 #include "engine/border.hpp"
 #include "engine/parallel.hpp"
@@ -26,16 +28,18 @@ struct Wanted {
 
 class RangeQuery {
  public:
-  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance, int threads)
+  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance, int threads, std::optional<Metres> from)
       : pages_(pages),
         manifest_(pages.manifest()),
         region_(region),
         asked_(tolerance.value),
         lossy_(manifest_.description.lossy_metres),
-        tolerance_(std::max(manifest_.description.kept_above(), tolerance.value - lossy_)),
+        tolerance_(left_of(tolerance)),
         threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)),
+        keeps_pages_(pages.would_keep(region)),
         above_(tolerance_, pages.distance()),
         vertices_(region) {
+    if (from) above_from_.emplace(left_of(*from), pages.distance());
     for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region));
   }
 
@@ -64,6 +68,11 @@ class RangeQuery {
  private:
   static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
   static constexpr std::size_t kTasksAThread = 8;
+  static constexpr std::int32_t kStretch = 32;  ///< samples that are glanced at together
+
+  struct NothingNeeded {
+    bool operator()(std::size_t) const { return false; }
+  };
 
   using PageKeyPair = std::pair<int, std::uint64_t>;
 
@@ -78,9 +87,14 @@ class RangeQuery {
     LargestByLevel levels;
     std::uint64_t forced_alone = 0;
     PageDecoder decoder;
-    std::vector<PageSample> chosen;
+    Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< by sample of a page that the border needs
   };
+
+  /// What stored heights leave of a tolerance.
+  [[nodiscard]] double left_of(Metres asked) const {
+    return std::max(manifest_.description.kept_above(), asked.value - lossy_);
+  }
 
   Answer answer(std::chrono::steady_clock::time_point started) {
     LargestAbsent absent;
@@ -128,7 +142,9 @@ class RangeQuery {
 
   /// Takes from a page what it has, and names the pages below it that are to be looked into.
   void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
-    const Page& page = pages_.get(wanted.id, wanted.generation, worker.decoder, worker.cost);
+    std::shared_ptr<const Page> kept;
+    if (keeps_pages_) kept = pages_.shared(wanted.id, wanted.generation, worker.cost);
+    const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, worker.decoder, worker.cost);
     worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
     for (std::size_t i = 0; i < page.children.size(); ++i) {
@@ -139,39 +155,51 @@ class RangeQuery {
       // be known then: so increments, which do not read it, have the same bound.
       const bool is_wanted = above_(entry.largest);
       if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
-      if (is_wanted || is_forced(child)) below.push_back({child, entry.generation, is_wanted});
+      if (is_wanted || (!above_from_ && is_forced(child))) below.push_back({child, entry.generation, is_wanted});
     }
   }
 
-  /// Takes the page's own vertices whose error is above the tolerance, or that the border needs.
+  /// Takes the page's own vertices whose error is above the tolerance, or that the border needs; of an increment those
+  /// that neither the border needs nor the coarser answer has.
   void select(const Page& page, Worker& worker) {
     const auto forced = forced_.find({page.id.band, curve_position(page.id)});
     if (forced == forced_.end() || forced->second.empty()) {
-      choose(page, worker, [](std::size_t) { return false; });
+      choose(page, worker, NothingNeeded());
+      if (above_from_)
+        std::erase_if(worker.chosen, [&](PageSample s) { return (*above_from_)(page, page.index(s.col, s.row)); });
       for (const auto [col, row] : worker.chosen) worker.levels.take(page, page.index(col, row), page.grid.at(col, row));
     } else {
-      std::vector<std::uint8_t>& is_forced = worker.is_forced;
-      is_forced.assign(page.grid.size(), 0);
-      for (const GridPoint p : forced->second) {
-        is_forced[page.index((p.col >> page.grid.shift) - page.grid.first.col,
-                             (p.row >> page.grid.shift) - page.grid.first.row)] = 1;
-      }
-      choose(page, worker, [&](std::size_t i) { return is_forced[i] != 0; });
-      for (const auto [col, row] : worker.chosen) {
-        const std::size_t i = page.index(col, row);
-        if (is_forced[i] == 0) {
-          worker.levels.take(page, i, page.grid.at(col, row));
-        } else if (!above_(page, i)) {
-          ++worker.forced_alone;
-        }
-      }
+      select_beside_border(page, forced->second, worker);
     }
     insert(page.grid, worker.chosen);
     worker.found.take(page, worker.chosen);
   }
 
-  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent. A sample is always written and then
-  /// kept or not: most pages have as many of one kind as of the other.
+  void select_beside_border(const Page& page, std::span<const GridPoint> forced, Worker& worker) {
+    std::vector<std::uint8_t>& is_forced = worker.is_forced;
+    is_forced.assign(page.grid.size(), 0);
+    for (const GridPoint p : forced) {
+      is_forced[page.index((p.col >> page.grid.shift) - page.grid.first.col,
+                           (p.row >> page.grid.shift) - page.grid.first.row)] = 1;
+    }
+    choose(page, worker, [&](std::size_t i) { return is_forced[i] != 0; });
+    if (above_from_) {
+      std::erase_if(worker.chosen, [&](PageSample s) {
+        const std::size_t i = page.index(s.col, s.row);
+        return is_forced[i] != 0 || (*above_from_)(page, i);
+      });
+    }
+    for (const auto [col, row] : worker.chosen) {
+      const std::size_t i = page.index(col, row);
+      if (is_forced[i] == 0) {
+        worker.levels.take(page, i, page.grid.at(col, row));
+      } else if (!above_(page, i)) {
+        ++worker.forced_alone;
+      }
+    }
+  }
+
+  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent.
   template <class IsNeeded>
   void choose(const Page& page, Worker& worker, IsNeeded&& is_needed) {
     const auto [first, last] = samples_in(page.grid, region_);
@@ -180,31 +208,45 @@ class RangeQuery {
     const ErrorCode threshold = above_.code();
     ErrorCode absent_code = worker.absent.code;
     // Of every sample: is its distance above the tolerance, or its code? Samples that are no vertices of this band
-    // have neither.
-    const auto look = [&](auto&& distance_of, auto largest_within) {
+    // have neither. A sample is always written and then kept or not: most pages have as many of one kind as of the other.
+    const auto look = [&](auto&& distance_of, auto largest_within, auto&& is_all_absent) {
       auto largest_absent = largest_within;
       largest_absent = -1;
       for (std::int32_t row = first.row; row <= last.row; ++row) {
-        for (std::int32_t col = first.col; col <= last.col; ++col) {
-          const std::size_t i = page.index(col, row);
-          const ErrorCode code = page.errors[i];
-          const auto distance = distance_of(i);
-          const bool is_chosen = (distance > largest_within) | (code > threshold) | is_needed(i);
-          *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
-          next += is_chosen ? 1 : 0;
-          absent_code = std::max(absent_code, is_chosen ? ErrorCode{0} : code);
-          largest_absent = std::max(largest_absent, is_chosen ? decltype(distance)(-1) : distance);
+        for (std::int32_t start = first.col; start <= last.col; start += kStretch) {
+          const std::int32_t end = std::min(start + kStretch - 1, last.col);
+          if (is_all_absent(page.index(start, row), static_cast<std::size_t>(end - start + 1), largest_absent)) continue;
+          for (std::int32_t col = start; col <= end; ++col) {
+            const std::size_t i = page.index(col, row);
+            const ErrorCode code = page.errors[i];
+            const auto distance = distance_of(i);
+            const bool is_chosen = (distance > largest_within) | (code > threshold) | is_needed(i);
+            *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
+            next += is_chosen ? 1 : 0;
+            absent_code = std::max(absent_code, is_chosen ? ErrorCode{0} : code);
+            largest_absent = std::max(largest_absent, is_chosen ? decltype(distance)(-1) : distance);
+          }
         }
       }
       return static_cast<double>(largest_absent);
     };
+    constexpr bool kMayBeNeeded = !std::is_same_v<std::decay_t<IsNeeded>, NothingNeeded>;
+    const auto look_at_each = [](std::size_t, std::size_t, auto&) { return false; };
     double absent = -1;
-    if (!page.eighths.empty()) {
-      absent = look([&](std::size_t i) { return page.eighths[i]; }, above_.eighths()) / 8;
-    } else if (!page.distances.empty()) {
-      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance());
+    if (page.eighths.empty() && !page.distances.empty()) {
+      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance(), look_at_each);
+    } else if (page.eighths.empty()) {
+      look([](std::size_t) { return -1; }, 0, look_at_each);
     } else {
-      look([](std::size_t) { return -1; }, 0);
+      const auto glance = [&](std::size_t i, std::size_t count, std::int32_t& largest_absent) {
+        if (kMayBeNeeded) return false;
+        const LargestErrors largest = largest_errors({&page.errors[i], count}, {&page.eighths[i], count});
+        if (largest.code > threshold || largest.eighths > above_.eighths()) return false;
+        absent_code = std::max(absent_code, largest.code);
+        largest_absent = std::max(largest_absent, largest.eighths);
+        return true;
+      };
+      absent = look([&](std::size_t i) { return page.eighths[i]; }, above_.eighths(), glance) / 8;
     }
     worker.chosen.resize(static_cast<std::size_t>(next - worker.chosen.data()));
     worker.absent.code = absent_code;
@@ -245,7 +287,9 @@ class RangeQuery {
   double lossy_;      ///< how far stored heights may lie from the source's
   double tolerance_;  ///< what is left of the one asked for
   int threads_;
+  bool keeps_pages_;  ///< for the next question
   Above above_;
+  std::optional<Above> above_from_;  ///< of an increment: what the coarser answer has
   VertexMask vertices_;
   std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< pages that the border needs, and what it needs of them
   std::vector<std::unique_ptr<Worker>> workers_;
@@ -267,10 +311,10 @@ void copy_samples(const Page& page, const HeightStep& step, StoredSamples& store
 
 }  // namespace
 
-Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads) {
+Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads, std::optional<Metres> from) {
   require_inside(pages, region);
   require_tolerance(tolerance);
-  return RangeQuery(pages, region, tolerance, threads).run();
+  return RangeQuery(pages, region, tolerance, threads, from).run();
 }
 
 StoredSamples stored_samples(const StoredPages& pages, GridRect region) {

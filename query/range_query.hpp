@@ -1,12 +1,19 @@
 #pragma once
 // A rectangle and a tolerance become a restricted quadtree.
 
+#include <optional>
+
 #include "query/stored_pages.hpp"
 
 namespace talus {
 
 /// See Snapshot::range. Threads change nothing in the answer.
-[[nodiscard]] Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads = 1);
+///
+/// from  leaves out what the answer at this tolerance has, and what the border needs: see Snapshot::increment. Both answers
+///       agree to the bit on what counts in the bound: of pages with nothing above the tolerance their entries, of all
+///       others the vertices in the region that the border does not need
+[[nodiscard]] Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads = 1,
+                                 std::optional<Metres> from = {});
 
 struct StoredSamples {
   SampleWindow window;

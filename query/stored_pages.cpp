@@ -112,6 +112,11 @@ std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generat
   return cache_->keep(key, get(id, generation, *decoder, cost));
 }
 
+bool StoredPages::would_keep(GridRect region) const {
+  constexpr std::uint64_t kBytesASample = 20;
+  return static_cast<std::uint64_t>(region.samples()) <= cache_->most_bytes() / 2 / kBytesASample;
+}
+
 const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
   const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);

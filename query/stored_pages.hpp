@@ -38,6 +38,8 @@ class StoredPages {
   /// The same page to share, for as long as it is held: from the cache if it is there, which counts as cached and not
   /// as read, else read and left in the cache.
   [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
+  /// Whether the pages of a region are few enough to leave them in the cache, beside others.
+  [[nodiscard]] bool would_keep(GridRect region) const;
   /// The same of whatever generation: for those that come past the pages above it.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
   /// A page without its errors.

@@ -142,7 +142,7 @@ TEST(Matching, ACoarserAnswerTakesAFinerNeighboursVertices) {
                                  asked.name(q));
               },
               {70, 50, 200, 150});
-  EXPECT_GT(differing, 20);
+  EXPECT_GE(differing, property_cases(20) / 2);
 }
 
 TEST(Matching, AFinerAnswerSaysWhatItsNeighbourLacks) {
@@ -167,7 +167,7 @@ TEST(Matching, AFinerAnswerSaysWhatItsNeighbourLacks) {
                 found += lacks.empty() ? 0 : 1;
               },
               {70, 50, 200, 150});
-  EXPECT_GT(found, 20);
+  EXPECT_GE(found, property_cases(20) / 2);
 }
 
 TEST(Matching, WhatCannotMeetIsRefused) {
