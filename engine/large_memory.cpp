@@ -1,5 +1,6 @@
 #include "engine/large_memory.hpp"
 
+#include <algorithm>
 #include <memory_resource>
 
 #include "talus/array.hpp"
@@ -7,22 +8,26 @@
 namespace talus {
 
 namespace {
+
 constexpr std::size_t kLarge = std::size_t{1} << 20, kHugePage = std::size_t{2} << 20;
+
+constexpr std::size_t rounded(std::size_t bytes) { return (bytes + kHugePage - 1) & ~(kHugePage - 1); }
+
 }  // namespace
 
+// Not from malloc: what that hands out again may lie in small pages already.
 void* detail::allocate_large(std::size_t bytes) {
-  const bool large = bytes >= kLarge;
-  if (large && bytes > SIZE_MAX - kHugePage) throw std::bad_alloc();
-  if (large) bytes = (bytes + kHugePage - 1) & ~(kHugePage - 1);
-  void* memory = large ? std::aligned_alloc(kHugePage, bytes) : std::malloc(bytes);
-  if (memory == nullptr && bytes > 0) throw std::bad_alloc();
-  if (large) ask_for_large_pages(memory, bytes);
+  if (bytes > SIZE_MAX / 2) throw std::bad_alloc();
+  void* memory = bytes >= kLarge ? map_large_pages(rounded(bytes)) : std::malloc(std::max<std::size_t>(bytes, 1));
+  if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
-void detail::free_large(void* memory) noexcept { std::free(memory); }
+void detail::free_large(void* memory, std::size_t bytes) noexcept {
+  bytes >= kLarge ? unmap_large_pages(memory, rounded(bytes)) : std::free(memory);
+}
 
 void* LargePages::do_allocate(std::size_t bytes, std::size_t) { return detail::allocate_large(bytes); }
-void LargePages::do_deallocate(void* memory, std::size_t, std::size_t) { detail::free_large(memory); }
+void LargePages::do_deallocate(void* memory, std::size_t bytes, std::size_t) { detail::free_large(memory, bytes); }
 
 }  // namespace talus

@@ -27,6 +27,31 @@ inline void ask_for_large_pages(void* memory, std::size_t bytes) {
 #endif
 }
 
+/// Fresh memory of whole large pages, aligned to them, straight from the system; null if there is none.
+inline void* map_large_pages(std::size_t bytes) {
+  constexpr std::size_t kHugePage = std::size_t{2} << 20;
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  void* mapped = ::mmap(nullptr, bytes + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (mapped == MAP_FAILED) return nullptr;
+  auto* first = static_cast<char*>(mapped);
+  const std::size_t before = (kHugePage - reinterpret_cast<std::uintptr_t>(first) % kHugePage) % kHugePage;
+  if (before > 0) ::munmap(first, before);
+  ::munmap(first + before + bytes, kHugePage - before);
+  ask_for_large_pages(first + before, bytes);
+  return first + before;
+#else
+  return std::aligned_alloc(kHugePage, bytes);
+#endif
+}
+inline void unmap_large_pages(void* memory, std::size_t bytes) {
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  ::munmap(memory, bytes);
+#else
+  (void)bytes;
+  std::free(memory);
+#endif
+}
+
 /// Room in a vector for a number of values, and some more: tiles and panels inside a raster are larger than those at its
 /// corner that come first. What it held may be lost.
 template <class T, class Allocator>

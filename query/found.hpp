@@ -84,7 +84,9 @@ struct PageSample {
 /// Collects vertices page by page, then makes a quadtree of them.
 class FoundVertices {
  public:
-  FoundVertices(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost), kept_(pages, cost) {}
+  /// expected_bytes  of what is found, sixteen a vertex; more is found room for
+  FoundVertices(const StoredPages& pages, QueryCost& cost, std::size_t expected_bytes = std::size_t{1} << 16)
+      : pages_(pages), cost_(cost), kept_(pages, cost), memory_(expected_bytes, &large_) {}
   FoundVertices(const FoundVertices&) = delete;
   FoundVertices& operator=(const FoundVertices&) = delete;
 
@@ -119,7 +121,7 @@ class FoundVertices {
   QueryCost& cost_;
   KeptHeights kept_;
   LargePages large_;
-  std::pmr::monotonic_buffer_resource memory_{std::size_t{1} << 16, &large_};
+  std::pmr::monotonic_buffer_resource memory_;
   std::vector<OfPage> pages_found_;
 };
 

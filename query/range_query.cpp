@@ -40,7 +40,7 @@ class RangeQuery {
         above_(tolerance_, pages.distance()),
         vertices_(region) {
     if (from) above_from_.emplace(left_of(*from), pages.distance());
-    for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region));
+    for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region, threads_));
   }
 
   Answer run() {
@@ -78,15 +78,22 @@ class RangeQuery {
 
   /// What a thread has found, and what it needs to find more.
   struct Worker {
-    Worker(const StoredPages& pages, GridRect region)
-        : fates(pages, region, cost), found(pages, cost), levels(pages.manifest().description.extent) {}
+    Worker(const StoredPages& pages, GridRect region, int workers)
+        : fates(pages, region, cost),
+          found(pages, cost, expected_bytes(region, workers)),
+          levels(pages.manifest().description.extent),
+          decoder(pages.borrow_decoder()) {}
+    /// If one sample in eight is a vertex; a large page at most.
+    static std::size_t expected_bytes(GridRect region, int workers) {
+      return static_cast<std::size_t>(std::clamp<std::int64_t>(2 * region.samples() / workers, 1 << 16, 2 << 20));
+    }
     QueryCost cost;
     PageFates fates;
     FoundVertices found;
     LargestAbsent absent;
     LargestByLevel levels;
     std::uint64_t forced_alone = 0;
-    PageDecoder decoder;
+    PageCache::BorrowedDecoder decoder;
     Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< by sample of a page that the border needs
   };
@@ -144,7 +151,7 @@ class RangeQuery {
   void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
     std::shared_ptr<const Page> kept;
     if (keeps_pages_) kept = pages_.shared(wanted.id, wanted.generation, worker.cost);
-    const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, worker.decoder, worker.cost);
+    const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, *worker.decoder, worker.cost);
     worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
     for (std::size_t i = 0; i < page.children.size(); ++i) {
@@ -164,9 +171,7 @@ class RangeQuery {
   void select(const Page& page, Worker& worker) {
     const auto forced = forced_.find({page.id.band, curve_position(page.id)});
     if (forced == forced_.end() || forced->second.empty()) {
-      choose(page, worker, NothingNeeded());
-      if (above_from_)
-        std::erase_if(worker.chosen, [&](PageSample s) { return (*above_from_)(page, page.index(s.col, s.row)); });
+      above_from_ ? choose<true>(page, worker, NothingNeeded()) : choose<false>(page, worker, NothingNeeded());
       for (const auto [col, row] : worker.chosen) worker.levels.take(page, page.index(col, row), page.grid.at(col, row));
     } else {
       select_beside_border(page, forced->second, worker);
@@ -182,13 +187,8 @@ class RangeQuery {
       is_forced[page.index((p.col >> page.grid.shift) - page.grid.first.col,
                            (p.row >> page.grid.shift) - page.grid.first.row)] = 1;
     }
-    choose(page, worker, [&](std::size_t i) { return is_forced[i] != 0; });
-    if (above_from_) {
-      std::erase_if(worker.chosen, [&](PageSample s) {
-        const std::size_t i = page.index(s.col, s.row);
-        return is_forced[i] != 0 || (*above_from_)(page, i);
-      });
-    }
+    const auto is_needed = [&](std::size_t i) { return is_forced[i] != 0; };
+    above_from_ ? choose<true>(page, worker, is_needed) : choose<false>(page, worker, is_needed);
     for (const auto [col, row] : worker.chosen) {
       const std::size_t i = page.index(col, row);
       if (is_forced[i] == 0) {
@@ -199,17 +199,18 @@ class RangeQuery {
     }
   }
 
-  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent.
-  template <class IsNeeded>
+  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent. Of an increment, only what is above
+  /// the tolerance, within the coarser one, and not needed.
+  template <bool kIsIncrement, class IsNeeded>
   void choose(const Page& page, Worker& worker, IsNeeded&& is_needed) {
     const auto [first, last] = samples_in(page.grid, region_);
     worker.chosen.resize(page.grid.size() + 1);
     PageSample* next = worker.chosen.data();
-    const ErrorCode threshold = above_.code();
+    const ErrorCode threshold = above_.code(), threshold_before = kIsIncrement ? above_from_->code() : ErrorCode{0};
     ErrorCode absent_code = worker.absent.code;
     // Of every sample: is its distance above the tolerance, or its code? Samples that are no vertices of this band
     // have neither. A sample is always written and then kept or not: most pages have as many of one kind as of the other.
-    const auto look = [&](auto&& distance_of, auto largest_within, auto&& is_all_absent) {
+    const auto look = [&](auto&& distance_of, auto largest_within, auto largest_before, auto&& is_all_absent) {
       auto largest_absent = largest_within;
       largest_absent = -1;
       for (std::int32_t row = first.row; row <= last.row; ++row) {
@@ -220,11 +221,14 @@ class RangeQuery {
             const std::size_t i = page.index(col, row);
             const ErrorCode code = page.errors[i];
             const auto distance = distance_of(i);
-            const bool is_chosen = (distance > largest_within) | (code > threshold) | is_needed(i);
+            const bool is_above = (distance > largest_within) | (code > threshold), needed = is_needed(i);
+            const bool is_absent = !(is_above | needed);
+            bool is_chosen = !is_absent;
+            if (kIsIncrement) is_chosen = is_above & !((distance > largest_before) | (code > threshold_before) | needed);
             *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
             next += is_chosen ? 1 : 0;
-            absent_code = std::max(absent_code, is_chosen ? ErrorCode{0} : code);
-            largest_absent = std::max(largest_absent, is_chosen ? decltype(distance)(-1) : distance);
+            absent_code = std::max(absent_code, is_absent ? code : ErrorCode{0});
+            largest_absent = std::max(largest_absent, is_absent ? distance : decltype(distance)(-1));
           }
         }
       }
@@ -234,9 +238,10 @@ class RangeQuery {
     const auto look_at_each = [](std::size_t, std::size_t, auto&) { return false; };
     double absent = -1;
     if (page.eighths.empty() && !page.distances.empty()) {
-      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance(), look_at_each);
+      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance(),
+                    kIsIncrement ? above_from_->distance() : 0.0, look_at_each);
     } else if (page.eighths.empty()) {
-      look([](std::size_t) { return -1; }, 0, look_at_each);
+      look([](std::size_t) { return -1; }, 0, 0, look_at_each);
     } else {
       const auto glance = [&](std::size_t i, std::size_t count, std::int32_t& largest_absent) {
         if (kMayBeNeeded) return false;
@@ -246,7 +251,9 @@ class RangeQuery {
         largest_absent = std::max(largest_absent, largest.eighths);
         return true;
       };
-      absent = look([&](std::size_t i) { return page.eighths[i]; }, above_.eighths(), glance) / 8;
+      absent = look([&](std::size_t i) { return page.eighths[i]; }, above_.eighths(),
+                    kIsIncrement ? above_from_->eighths() : 0, glance) /
+               8;
     }
     worker.chosen.resize(static_cast<std::size_t>(next - worker.chosen.data()));
     worker.absent.code = absent_code;

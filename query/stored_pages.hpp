@@ -31,6 +31,9 @@ class StoredPages {
   /// Nothing was asked yet; every band is there to be counted in.
   [[nodiscard]] QueryCost cost_of_header() const;
 
+  /// For one thread's question.
+  [[nodiscard]] PageCache::BorrowedDecoder borrow_decoder() const { return cache_->borrow_decoder(); }
+
   /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
   /// next. Adds what it cost.
   /// fails  corrupt: missing, stale or damaged

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace detail {
 /// From a megabyte up in the system's large pages, where it has them: a fresh page of memory costs more than what goes in.
 /// fails  std::bad_alloc
 [[nodiscard]] void* allocate_large(std::size_t bytes);
-void free_large(void* memory) noexcept;
+void free_large(void* memory, std::size_t bytes) noexcept;
 }  // namespace detail
 
 /// Leaves new elements as they are, instead of writing zeros that are overwritten at once.
@@ -23,8 +24,11 @@ struct ArrayAllocator {
   template <class U>
   explicit ArrayAllocator(const ArrayAllocator<U>&) {}
 
-  [[nodiscard]] T* allocate(std::size_t count) { return static_cast<T*>(detail::allocate_large(count * sizeof(T))); }
-  void deallocate(T* memory, std::size_t) noexcept { detail::free_large(memory); }
+  [[nodiscard]] T* allocate(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_alloc();
+    return static_cast<T*>(detail::allocate_large(count * sizeof(T)));
+  }
+  void deallocate(T* memory, std::size_t count) noexcept { detail::free_large(memory, count * sizeof(T)); }
   void construct(T*) {}
   template <class... Arguments>
   void construct(T* at, Arguments&&... arguments) {
