@@ -24,7 +24,7 @@ namespace {
 struct Request {
   std::string database, tolerance, from, bbox, border = "constrain", focus, tolerance_raster;
   std::int32_t snap = 1;
-  int max_level = -1;
+  int max_level = -1, threads = 0;
   Budget budget;
   std::vector<std::string> outputs, neighbours;
   Interest interest;
@@ -144,7 +144,7 @@ Exit run(const Request& request) {
   for (const std::string& output : request.outputs) check_output(output, request.database);
 
   const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
-  const Snapshot now = Database::open(request.database).snapshot();
+  const Snapshot now = Database::open(request.database, {.threads = request.threads}).snapshot();
   const Description& description = now.description();
   const auto start = std::chrono::steady_clock::now();
   Stages stages;
@@ -158,7 +158,7 @@ Exit run(const Request& request) {
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
   const Answer answer = now.ask(question);
   stages.add(answer.cost);
-  Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree); });
+  Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree, request.threads); });
   if (question.border == Border::clip && rectangle)
     mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.frame(*rectangle)); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -280,6 +280,9 @@ void add_query(CLI::App& program, Action& action) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_flag("--explain", request->explain,
                     "Print also which pages were read, which were left out and why, and where time went");
+  command->add_option("--threads", request->threads, "Of a large answer; changes nothing but the time; 0: one a core")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N [0]");
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"
