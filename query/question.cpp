@@ -42,13 +42,20 @@ std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, doub
   if (!std::isfinite(x) || !std::isfinite(y)) refuse(fmt::format("focus {}, {}: expected coordinates", x, y));
   if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
     refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));
+  const double col = (x - d.mapping.x0) / d.mapping.dx, row = (y - d.mapping.y0) / d.mapping.dy;
+  const GridRect& e = d.extent;
+  if (!(col >= e.first.col - 0.5 && col <= e.last.col + 0.5 && row >= e.first.row - 0.5 && row <= e.last.row + 0.5)) {
+    refuse(fmt::format("focus {}, {}: lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the "
+                       "database's CRS",
+                       x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col),
+                       d.mapping.y(e.first.row)));
+  }
   const Ground ground(d.crs_wkt);
   const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
                down = ground.metres({x, y}, {x, y + d.mapping.dy});
   if (!(right > 0) || !(down > 0))
     refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
-  return std::make_shared<FocusTolerance>((x - d.mapping.x0) / d.mapping.dx, (y - d.mapping.y0) / d.mapping.dy, right,
-                                          down, metres_per_metre, at_focus.value);
+  return std::make_shared<FocusTolerance>(col, row, right, down, metres_per_metre, at_focus.value);
 }
 
 GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {

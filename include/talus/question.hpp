@@ -33,8 +33,8 @@ class ToleranceField {
 
 /// Grows in proportion to the distance on the ground from a point in CRS coordinates, as ground looks from there. The
 /// cell's size is taken where the point is.
-/// fails  invalid_argument: numbers that are none, a tolerance or growth below 0, a point beyond where the CRS has a
-///        ground (latitudes)
+/// fails  invalid_argument: numbers that are none, a tolerance or growth below 0, a point outside the raster or beyond
+///        where the CRS has a ground (latitudes)
 [[nodiscard]] std::shared_ptr<const ToleranceField> focus_tolerance(const Description& description, double x, double y,
                                                                     double metres_per_metre, Metres at_focus);
 

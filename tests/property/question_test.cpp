@@ -309,6 +309,11 @@ TEST(Ask, WhatMakesNoSenseIsRefused) {
   refused([](Question& q) { q.points.push_back({1 << 20, 0}); });
   refused([](Question& q) { q.region = {{0, 0}, {-1, 4}}; });
   refused([](Question& q) { q.border = Border::cover, q.points.push_back(q.region.first); });
+  const Description& d = asked.now->description();
+  const double beyond = d.mapping.x(extent.last.col + 1), y = d.mapping.y(extent.first.row);
+  EXPECT_THROW(static_cast<void>(focus_tolerance(d, beyond, y, 0.1, Metres{1})), Failure);
+  EXPECT_THROW(static_cast<void>(focus_tolerance(d, d.mapping.x(extent.first.col), y, -1, Metres{1})), Failure);
+  EXPECT_THROW(static_cast<void>(focus_tolerance(d, std::nan(""), y, 1, Metres{1})), Failure);
   EXPECT_THROW(static_cast<void>(patch_tolerance(extent, 2, 2, {1, 2, 3})), Failure);
   EXPECT_THROW(static_cast<void>(patch_tolerance(extent, 1, 1, {-1})), Failure);
   EXPECT_THROW(static_cast<void>(patch_tolerance(extent, 0, 1, {})), Failure);
