@@ -149,7 +149,8 @@ TEST(PageStore, AShelfIsReplacedAsAWhole) {
   EXPECT_EQ(copy(*txn.find({0, 1})), b);
   EXPECT_EQ(txn.find({0, 1})->generation, 7u);
   EXPECT_EQ(copy(*txn.find({0, 64})), a) << "another shelf";
-  EXPECT_TRUE(txn.has({0, 5})) << "its shelf is there";
+  EXPECT_TRUE(txn.has({0, 1}));
+  EXPECT_FALSE(txn.has({0, 5})) << "its shelf is there, it is not";
   EXPECT_FALSE(txn.has({0, 128}));
 }
 
