@@ -10,7 +10,8 @@
 namespace talus::app {
 
 Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to,
-                     const std::vector<std::string>& outputs, bool json, bool explain) {
+                     const std::vector<std::string>& outputs, const StreamOptions& options, bool json,
+                     bool explain) {
   for (const std::string& output : outputs) {
     if (is_stream_file(output)) continue;
     throw Failure(Cause::invalid_argument,
@@ -21,9 +22,10 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
   Stages stages;
   stages.add(increment.cost);
   const auto write = [&] {
+    const RestrictedQuadtree base = now.range(region, from).quadtree;  // what a reader has
     for (const std::string& output : outputs) {
       const HoldInterrupts whole_file_or_none;
-      write_stream({description, increment}, output);
+      write_stream({description, increment}, output, options, &base);
     }
   };
   if (!outputs.empty()) stages.time("write", write);

@@ -6,11 +6,13 @@
 
 #include "app/commands.hpp"
 #include "talus/database.hpp"
+#include "talus/stream.hpp"
 
 namespace talus::app {
 
 /// Writes what an answer at `from` lacks of one at `to`. Fails with invalid_argument where an output is no .rqt.
 Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to,
-                     const std::vector<std::string>& outputs, bool json, bool explain);
+                     const std::vector<std::string>& outputs, const StreamOptions& options, bool json,
+                     bool explain);
 
 }  // namespace talus::app

@@ -8,6 +8,7 @@
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/report.hpp"
+#include "app/stream_options.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
@@ -125,7 +126,63 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   return table;
 }
 
+std::string border_text(Border border) {
+  return border == Border::constrain ? "constrain" : border == Border::cover ? "cover" : "clip";
+}
+
+/// What a stream says of itself; the vertices stay where they are.
+Exit run_stream(const Request& request) {
+  const StreamInfo s = read_stream_info(request.database);
+  const Description& d = s.description;
+  if (request.json) {
+    Json parts = Json::array();
+    for (const StreamPart& part : s.parts)
+      parts.push_back({{"vertices", part.vertices}, {"bytes", part.bytes}, {"bound", part.bound.value}});
+    Json object{{"stream", request.database},
+                {"increment", s.is_increment},
+                {"region", bounds(d, s.region)},
+                {"border", border_text(s.origin.border)},
+                {"tolerance", s.tolerance.value},
+                {"bound", s.bound.value},
+                {"quantum", s.origin.quantum.value},
+                {"profile", spelled(s.profile)},
+                {"vertices", s.vertices},
+                {"bytes", s.bytes},
+                {"header_bytes", s.header_bytes},
+                {"identity", fmt::format("{:016x}", s.origin.identity.content)},
+                {"generation", s.origin.identity.generation},
+                {"crs", d.crs_wkt},
+                {"vertical_unit", d.vertical_unit},
+                {"parts", parts}};
+    if (s.is_increment) object["from"] = s.from.value;
+    print(object);
+    return Exit::done;
+  }
+  Table table;
+  table.add("stream", fmt::format("{}, {}", request.database, s.is_increment ? "an increment: merge it" : "an answer"));
+  table.add("region", bounds_text(d, s.region));
+  table.add("crs", crs_name(d.crs_wkt));
+  table.add("border", border_text(s.origin.border));
+  if (s.is_increment) table.add("from", metres(s.from.value));
+  table.add("tolerance", metres(s.tolerance.value));
+  table.add("bound", metres(s.bound.value));
+  table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
+  table.add("profile", spelled(s.profile));
+  table.add("vertices", counted(s.vertices));
+  table.add("size", fmt::format("{}, {:.2f} bits a vertex, {} of them the header", sized(s.bytes),
+                                8.0 * static_cast<double>(s.bytes) / static_cast<double>(std::max<std::uint64_t>(1, s.vertices)),
+                                sized(s.header_bytes)));
+  table.add("database", fmt::format("{:016x}, {} updates", s.origin.identity.content, s.origin.identity.generation));
+  for (std::size_t i = 0; i < s.parts.size(); ++i) {
+    table.add(i == 0 ? "parts" : "", fmt::format("{:>2}: {:>11} vertices, {:>9}, bound {}", i, counted(s.parts[i].vertices),
+                                                 sized(s.parts[i].bytes), metres(s.parts[i].bound.value)));
+  }
+  print(table);
+  return Exit::done;
+}
+
 Exit run(const Request& request) {
+  if (is_stream_file(request.database)) return run_stream(request);
   const Snapshot now = Database::open(request.database).snapshot();
   if (request.json) {
     print(to_json(request, now.description(), now.storage(), now.provenance()));
@@ -139,14 +196,14 @@ Exit run(const Request& request) {
 
 void add_info(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("info", "Say what a database holds");
-  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
+  CLI::App* command = program.add_subcommand("info", "Say what a database or an .rqt file holds");
+  command->add_option("DATABASE", request->database, "Database, or an answer or increment in an .rqt file")->required()->check(is_named);
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"
       "Coordinates are those of the database's CRS and name samples, which are pixel centres; heights are\n"
       "in the source's vertical unit. Pages are listed by the spacing, in cells, of their finest vertices.\n"
-      "\nExample:\n  talus info alps.talus");
+      "\nExample:\n  talus info alps.talus\n  talus info west.rqt");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 

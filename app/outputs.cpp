@@ -16,11 +16,11 @@ void check_outputs(const std::vector<std::string>& outputs) {
 }
 
 void write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
-                   const std::vector<std::string>& outputs) {
+                   const std::vector<std::string>& outputs, const StreamOptions& options) {
   for (const std::string& output : outputs) {
     const HoldInterrupts whole_file_or_none;
     if (is_stream_file(output)) {
-      write_stream({description, answer}, output);
+      write_stream({description, answer}, output, options);
     } else {
       write_mesh(mesh, description, output);
     }

@@ -14,6 +14,6 @@ void check_outputs(const std::vector<std::string>& outputs);
 
 /// Each whole or not at all: .rqt the answer itself, any other ending its mesh.
 void write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
-                   const std::vector<std::string>& outputs);
+                   const std::vector<std::string>& outputs, const StreamOptions& options = {});
 
 }  // namespace talus::app

@@ -16,6 +16,7 @@
 #include "app/interest.hpp"
 #include "app/outputs.hpp"
 #include "app/report.hpp"
+#include "app/stream_options.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
@@ -28,6 +29,7 @@ struct Request {
   Budget budget;
   std::vector<std::string> outputs, neighbours;
   Interest interest;
+  StreamWords stream;
   bool json = false, explain = false;
 
   /// Nothing but a rectangle with a constrained border and one tolerance.
@@ -136,6 +138,7 @@ Exit run(const Request& request) {
   if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
   static_cast<void>(parse_border(request.border));
+  const StreamOptions options = stream_options(request.stream, request.threads);
   if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
   require_fit_for_streams(request);
   std::optional<Rectangle> rectangle;
@@ -153,7 +156,7 @@ Exit run(const Request& request) {
   const Metres tolerance = by_raster ? Metres{question.field->least(question.region)} : question.tolerance;
   if (!request.from.empty()) {
     return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, request.outputs,
-                           request.json, request.explain);
+                           options, request.json, request.explain);
   }
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
   const Answer answer = now.ask(question);
@@ -164,7 +167,7 @@ Exit run(const Request& request) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   if (!request.outputs.empty())
-    stages.time("write", [&] { write_outputs(answer.quadtree, mesh, description, request.outputs); });
+    stages.time("write", [&] { write_outputs(answer.quadtree, mesh, description, request.outputs, options); });
 
   if (request.json) {
     Json object{{"region", bounds(description, mesh.region)},
@@ -231,14 +234,16 @@ void add_query(CLI::App& program, Action& action) {
       ->add_option("--border", request->border,
                    "constrain: the rectangle's sides are mesh edges; cover: whole triangles that reach\n"
                    "beyond; clip: those, cut at the rectangle as it was asked for")
-      ->option_text("constrain|cover|clip");
+      ->option_text("constrain|cover|clip [constrain]");
   command
       ->add_option("--snap", request->snap,
                    "Grow the rectangle to multiples of N samples; 16 needs fewest border vertices")
       ->option_text("N [1]");
   command
       ->add_option("--max-level", request->max_level,
-                   "No vertex finer than this level, 0 the coarsest; the bound says what it costs")
+                   "No vertex finer than this level, 0 the coarsest, whatever the tolerance; the bound says what\n"
+                   "is kept")
+      ->check(CLI::Range(0, 31))
       ->option_text("L");
   command
       ->add_option("--max-vertices", request->budget.vertices,
@@ -247,7 +252,8 @@ void add_query(CLI::App& program, Action& action) {
   command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")->option_text("N");
   command
       ->add_option("--focus", request->focus,
-                   "The tolerance is M at a point and grows by so many metres with each metre from it")
+                   "The tolerance is that of --tolerance at a point and grows by so many metres with each metre\n"
+                   "on the ground from it")
       ->option_text("=X,Y,METRES_PER_METRE");
   command
       ->add_option("--tolerance-raster", request->tolerance_raster,
@@ -260,7 +266,8 @@ void add_query(CLI::App& program, Action& action) {
       ->add_option("--match", request->neighbours,
                    "An answer of another rectangle with the same side, or part of one: its vertices there\n"
                    "become vertices here, so that the two meet at any tolerances. Ask for the finer one\n"
-                   "first; repeat it for more neighbours than one")
+                   "first: what a coarser neighbour lacks is counted, and there the two do not meet. Repeat it\n"
+                   "for more neighbours than one")
       ->option_text("NEIGHBOUR.rqt ...")
       ->check(is_named)
       ->type_size(1)
@@ -278,6 +285,7 @@ void add_query(CLI::App& program, Action& action) {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_stream_words(command, request->stream);
   command->add_flag("--explain", request->explain,
                     "Print also which pages were read, which were left out and why, and where time went");
   command->add_option("--threads", request->threads, "Of a large answer; changes nothing but the time; 0: one a core")

@@ -1,6 +1,11 @@
 // talus merge and talus convert: what becomes of .rqt files.
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <memory>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,6 +17,7 @@
 #include "app/commands.hpp"
 #include "app/outputs.hpp"
 #include "app/report.hpp"
+#include "app/stream_options.hpp"
 #include "talus/database.hpp"
 #include "talus/stream.hpp"
 
@@ -20,18 +26,29 @@ namespace {
 
 struct Request {
   std::vector<std::string> inputs, outputs;
+  StreamWords stream;
+  int threads = 0;
   bool json = false;
 };
 
+/// At most as many bytes as there is room for, as soon as there are some; 0 at the end.
+std::size_t read_some(std::span<std::byte> room) {
+  for (;;) {
+    const ssize_t count = ::read(STDIN_FILENO, room.data(), room.size());
+    if (count >= 0) return static_cast<std::size_t>(count);
+    if (errno != EINTR) throw Failure(Cause::io, fmt::format("cannot read the standard input: {}", std::strerror(errno)));
+  }
+}
+
 /// The mesh is made if a file or a reader wants it.
 Exit report(const RestrictedQuadtree& answer, const Description& description, const Request& request) {
-  const Mesh mesh = triangulate(answer);
-  write_outputs(answer, mesh, description, request.outputs);
+  const Mesh mesh = triangulate(answer, request.threads);
+  write_outputs(answer, mesh, description, request.outputs, stream_options(request.stream, request.threads));
   if (request.json) {
     print(Json{{"region", bounds(description, answer.region)},
                {"tolerance", answer.tolerance.value},
                {"bound", answer.bound.value},
-               {"vertices", answer.vertices.size()},
+               {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},
                {"output", request.outputs}});
     return Exit::done;
@@ -40,8 +57,7 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
   table.add("region", bounds_text(description, answer.region));
   table.add("tolerance", metres(answer.tolerance.value));
   table.add("bound", metres(answer.bound.value));
-  table.add("quadtree", fmt::format("{} vertices, {} triangles", counted(answer.vertices.size()),
-                                    counted(mesh.triangles.size())));
+  table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
   for (const std::string& output : request.outputs) table.add("output", output);
   print(table);
   return Exit::done;
@@ -49,27 +65,42 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
 
 Exit run_merge(const Request& request) {
   check_outputs(request.outputs);  // an output may be an input: all are read before anything is written
-  Stream base = read_stream(request.inputs.front());
+  static_cast<void>(stream_options(request.stream));
+  Stream base = read_stream(request.inputs.front(), {}, nullptr, request.threads);
   RestrictedQuadtree answer = answer_of(base, request.inputs.front());
   for (std::size_t i = 1; i < request.inputs.size(); ++i) {
     const std::string& file = request.inputs[i];
-    const Stream delta = read_stream(file);
+    const Stream delta = read_stream(file, {}, &answer, request.threads);
     const auto* increment = std::get_if<Increment>(&delta.content);
     if (increment == nullptr)
       throw Failure(Cause::invalid_argument, fmt::format("{} is an answer and no increment: there is nothing to merge", file));
-    try {
-      answer = merge(answer, *increment);
-    } catch (const Failure& f) {
-      throw Failure(f.cause(), fmt::format("{}: {}", file, f.what()));
-    }
+    answer = merge(answer, *increment);
   }
   return report(answer, base.description, request);
 }
 
+/// What has arrived of a stream is told as soon as it is a quadtree with a bound.
+Stream read_standard_input(const Request& request) {
+  StreamDecoder decoder({}, nullptr, request.threads);
+  std::vector<std::byte> room(1 << 16);
+  std::size_t told = 0;
+  while (const std::size_t count = read_some(room)) {
+    decoder.add(std::span(room).first(count));
+    if (decoder.parts() == told) continue;
+    told = decoder.parts();
+    fmt::print(stderr, "part {} of {}: {} vertices, bound {}\n", told, decoder.parts_in_all(), counted(decoder.vertices()),
+               metres(decoder.bound().value));
+  }
+  decoder.require_whole();
+  return decoder.stream();
+}
+
 Exit run_convert(const Request& request) {
   check_outputs(request.outputs);
-  Stream stream = read_stream(request.inputs.front());
-  return report(answer_of(stream, request.inputs.front()), stream.description, request);
+  static_cast<void>(stream_options(request.stream));
+  const std::string& input = request.inputs.front();
+  Stream stream = input == "-" ? read_standard_input(request) : read_stream(input, {}, nullptr, request.threads);
+  return report(answer_of(stream, input), stream.description, request);
 }
 
 void add_output(CLI::App* command, Request& request) {
@@ -84,6 +115,10 @@ void add_output(CLI::App* command, Request& request) {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_stream_words(command, request.stream);
+  command->add_option("--threads", request.threads, "To read and to write with; changes nothing but the time; 0: one a core")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N [0]");
   command->add_flag("--json", request.json, "Print one JSON object");
 }
 
@@ -110,7 +145,7 @@ void add_merge(CLI::App& program, Action& action) {
 void add_convert(CLI::App& program, Action& action) {
   auto request = std::make_shared<Request>();
   CLI::App* command = program.add_subcommand("convert", "Make a mesh file of an answer in an .rqt file");
-  command->add_option("IN.rqt", request->inputs, "An answer")->option_text("REQUIRED")->required()->expected(1)->check(is_named);
+  command->add_option("IN.rqt", request->inputs, "An answer; -: the standard input, whose levels are told as they arrive")->option_text("REQUIRED")->required()->expected(1)->check(is_named);
   add_output(command, *request);
   command->footer("\nExample:\n  talus convert fine.rqt -o fine.ply");
   command->callback([request, &action] { action = [request] { return run_convert(*request); }; });

@@ -69,7 +69,7 @@ RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPo
   return all;
 }
 
-RestrictedQuadtree merge(const RestrictedQuadtree& answer, const Increment& increment) {
+void require_fit(const RestrictedQuadtree& answer, const Increment& increment) {
   const RestrictedQuadtree& added = increment.added;
   if (!answer.origin.is_plain)
     refuse("an answer that is more than a region at a tolerance, or less: increments go on from no such answer");
@@ -88,8 +88,17 @@ RestrictedQuadtree merge(const RestrictedQuadtree& answer, const Increment& incr
     refuse(fmt::format("the increment goes on from an answer at {} m, this one is at {} m", increment.from.value,
                        answer.tolerance.value));
   }
+  if (answer.origin.quantum != added.origin.quantum) {
+    refuse(fmt::format("the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask for one --quantum",
+                       added.origin.quantum.value, answer.origin.quantum.value));
+  }
   if (answer.level_errors.size() != added.level_errors.size())
     refuse(fmt::format("the increment has {} levels, the answer {}", added.level_errors.size(), answer.level_errors.size()));
+}
+
+RestrictedQuadtree merge(const RestrictedQuadtree& answer, const Increment& increment) {
+  require_fit(answer, increment);
+  const RestrictedQuadtree& added = increment.added;
   RestrictedQuadtree merged = united(answer, {}, added);
   for (std::size_t i = 0; i < merged.level_errors.size(); ++i)
     merged.level_errors[i] = std::max(merged.level_errors[i], answer.level_errors[i]);

@@ -14,4 +14,7 @@ namespace talus {
 [[nodiscard]] RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPoint> gone,
                                         const RestrictedQuadtree& added);
 
+/// fails  invalid_argument: an increment that does not go on from this answer
+void require_fit(const RestrictedQuadtree& answer, const Increment& increment);
+
 }  // namespace talus

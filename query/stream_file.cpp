@@ -40,27 +40,42 @@ bool is_stream_file(const std::filesystem::path& file) {
   return ending == ".rqt";
 }
 
-void write_stream(const Stream& stream, const std::filesystem::path& file) {
+void write_stream(const Stream& stream, const std::filesystem::path& file, const StreamOptions& options,
+                  const RestrictedQuadtree* base) {
   if (!is_stream_file(file)) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("cannot write a restricted quadtree to {}: the name must end in .rqt", file.string()));
   }
-  const std::vector<std::byte> bytes = encode(stream);
+  const std::vector<std::byte> bytes = encode(stream, options, base);
   OutputFile out{file};
   out.write(bytes.data(), bytes.size());
   out.commit();
 }
 
-Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits) {
+namespace {
+
+/// What work(bytes) makes of a file's bytes; what it throws names the file.
+template <class Work>
+auto of_file(const std::filesystem::path& file, Work&& work) {
   const std::vector<std::byte> bytes = bytes_of(file);
   try {
-    return decode_stream(bytes, limits);
+    return work(bytes);
   } catch (const Failure& f) {
     const std::string sentence = f.what(), kind = "corrupt: ";
     throw Failure(f.cause(), sentence.starts_with(kind)
                                  ? fmt::format("{}{}: {}", kind, file.string(), sentence.substr(kind.size()))
                                  : fmt::format("{}: {}", file.string(), sentence));
   }
+}
+
+}  // namespace
+
+Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits, const RestrictedQuadtree* base, int threads) {
+  return of_file(file, [&](std::span<const std::byte> bytes) { return decode_stream(bytes, limits, base, threads); });
+}
+
+StreamInfo read_stream_info(const std::filesystem::path& file, const StreamLimits& limits) {
+  return of_file(file, [&](std::span<const std::byte> bytes) { return stream_info(bytes, limits); });
 }
 
 }  // namespace talus

@@ -29,7 +29,7 @@ GDAL = r"(gdal|ogr|cpl|vrt)[a-z0-9_]*\.h"
 THEIRS = [
     ("GDAL", GDAL, r"ingest/|query/(ground\.|(export|bindings/gdal)/)", "ingest/, query/export/ and query/ground"),
     ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
-    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream_codec)\.cpp$", "storage/*.cpp and engine/stream_codec.cpp"),
+    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream_bytes)\.cpp$", "storage/*.cpp and engine/stream_bytes.cpp"),
     ("GeographicLib", r"GeographicLib/", r"engine/geodesy\.", "engine/geodesy"),
     ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
     ("JSON", r"nlohmann/", r"(engine|app)/", "engine/ and app/"),

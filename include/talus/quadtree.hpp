@@ -36,6 +36,9 @@ class VertexMask {
   [[nodiscard]] std::span<std::uint64_t> row_words(std::int32_t row) {
     return {words_.data() + place({region_.first.col, row}).word, words_per_row_};
   }
+  [[nodiscard]] std::span<const std::uint64_t> row_words(std::int32_t row) const {
+    return {words_.data() + place({region_.first.col, row}).word, words_per_row_};
+  }
   /// Counts the members; `rank` and `size` hold from here until the next insert.
   void seal();
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -96,6 +99,8 @@ struct Origin {
   Border border = Border::constrain;
   /// By a constrained border and one tolerance, and nothing else: what increments go on from.
   bool is_plain = false;
+  /// Heights are the nearest multiples of this; 0: they are the source's own. Either way the bound holds for them.
+  Metres quantum{0};
   friend bool operator==(const Origin&, const Origin&) = default;
 };
 
