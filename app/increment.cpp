@@ -9,7 +9,7 @@
 
 namespace talus::app {
 
-Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to,
+Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, Metres quantum,
                      const std::vector<std::string>& outputs, const StreamOptions& options, bool json,
                      bool explain) {
   for (const std::string& output : outputs) {
@@ -18,11 +18,14 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
                   fmt::format("--from asks for an increment, which has no mesh: --output {} must end in .rqt", output));
   }
   const Description& description = now.description();
-  const Increment increment = now.increment(region, from, to);
+  const Increment increment =
+      quantum.value > 0 ? now.quantised_increment(region, from, to, quantum) : now.increment(region, from, to);
   Stages stages;
   stages.add(increment.cost);
   const auto write = [&] {
-    const RestrictedQuadtree base = now.range(region, from).quadtree;  // what a reader has
+    // What a reader has.
+    const RestrictedQuadtree base =
+        quantum.value > 0 ? now.quantised(region, from, quantum).quadtree : now.range(region, from).quadtree;
     for (const std::string& output : outputs) {
       const HoldInterrupts whole_file_or_none;
       write_stream({description, increment}, output, options, &base);

@@ -30,6 +30,7 @@ struct Request {
   std::vector<std::string> outputs, neighbours;
   Interest interest;
   StreamWords stream;
+  HeightWords heights;
   bool json = false, explain = false;
 
   /// Nothing but a rectangle with a constrained border and one tolerance.
@@ -112,6 +113,17 @@ void require_fit_for_streams(const Request& request) {
                 "--border, --focus, --max-level, --match, --tolerance-raster, points and lines");
 }
 
+void require_fit_for_heights(const Request& request) {
+  if (request.heights.are_exact()) return;
+  if (!request.is_plain()) {
+    throw Failure(Cause::invalid_argument,
+                  "--heights bounded goes with a rectangle, a tolerance or a budget and a constrained border: without "
+                  "--focus, --max-level, --match, --tolerance-raster, points, lines and other borders");
+  }
+  if (!request.from.empty() && request.heights.quantum.empty())
+    throw Failure(Cause::invalid_argument, "--from with --heights bounded goes on from an answer with the same --quantum: name it");
+}
+
 /// One thing decides about the tolerance.
 void require_tolerance(const Request& request) {
   const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
@@ -138,6 +150,8 @@ Exit run(const Request& request) {
   if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
   static_cast<void>(parse_border(request.border));
+  const Metres quantum = request.heights.step();
+  require_fit_for_heights(request);
   const StreamOptions options = stream_options(request.stream, request.threads);
   if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
   require_fit_for_streams(request);
@@ -155,11 +169,13 @@ Exit run(const Request& request) {
   const bool by_raster = !request.tolerance_raster.empty();
   const Metres tolerance = by_raster ? Metres{question.field->least(question.region)} : question.tolerance;
   if (!request.from.empty()) {
-    return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, request.outputs,
-                           options, request.json, request.explain);
+    return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, quantum,
+                           request.outputs, options, request.json, request.explain);
   }
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
-  const Answer answer = now.ask(question);
+  const Answer answer = request.heights.are_exact() ? now.ask(question)
+                        : quantum.value > 0         ? now.quantised(question.region, tolerance, quantum)
+                                                    : now.bounded(question.region, tolerance);
   stages.add(answer.cost);
   Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree, request.threads); });
   if (question.border == Border::clip && rectangle)
@@ -175,6 +191,7 @@ Exit run(const Request& request) {
                 {"bound", answer.quadtree.bound.value},
                 {"vertices", mesh.size()},
                 {"triangles", mesh.triangles.size()},
+                {"quantum", answer.quadtree.origin.quantum.value},
                 {"border_vertices", answer.border_vertices},
                 {"matching_vertices", answer.matching_vertices},
                 {"unmatched_vertices", answer.unmatched.size()},
@@ -195,6 +212,8 @@ Exit run(const Request& request) {
   table.add("bound", metres(answer.quadtree.bound.value));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
+  if (!request.heights.are_exact())
+    table.add("heights", fmt::format("multiples of {} m", answer.quadtree.origin.quantum.value));
   table.add("border",
             fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
   if (!neighbours.empty())
@@ -285,6 +304,7 @@ void add_query(CLI::App& program, Action& action) {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_height_words(command, request->heights);
   add_stream_words(command, request->stream);
   command->add_flag("--explain", request->explain,
                     "Print also which pages were read, which were left out and why, and where time went");

@@ -1,7 +1,10 @@
 #include "app/stream_options.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
+#include "app/arguments.hpp"
 #include "talus/failure.hpp"
 
 namespace talus::app {
@@ -33,6 +36,30 @@ StreamOptions stream_options(const StreamWords& words, int threads) {
                   fmt::format("--profile takes fast, balanced or small; \"{}\" is none of them", words.profile));
   }
   return options;
+}
+
+void add_height_words(CLI::App* command, HeightWords& words) {
+  command
+      ->add_option("--heights", words.heights,
+                   "exact: the source's own; bounded: multiples of a quantum, within the tolerance all the same,\n"
+                   "which make .rqt files smaller")
+      ->option_text("exact|bounded [exact]");
+  command
+      ->add_option("--quantum", words.quantum,
+                   "Of bounded heights, so that increments of the same quantum can go on from the answer; without\n"
+                   "it one is chosen, with fewer vertices, and nothing goes on from the answer")
+      ->option_text("M");
+}
+
+Metres HeightWords::step() const {
+  if (heights != "exact" && heights != "bounded")
+    throw Failure(Cause::invalid_argument, fmt::format("--heights takes exact or bounded; \"{}\" is neither", heights));
+  if (quantum.empty()) return Metres{0};
+  if (are_exact()) throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded");
+  const Metres step = parse_tolerance(quantum, "--quantum");
+  if (!(step.value > 0) || !std::isfinite(step.value))
+    throw Failure(Cause::invalid_argument, fmt::format("--quantum takes metres above 0; \"{}\" is not that", quantum));
+  return step;
 }
 
 std::string spelled(StreamProfile profile) {

@@ -14,6 +14,16 @@ struct StreamWords {
 };
 
 void add_stream_words(CLI::App* command, StreamWords& words);
+/// What heights an answer has: exact ones, or multiples of a quantum.
+struct HeightWords {
+  std::string heights = "exact", quantum;
+
+  [[nodiscard]] bool are_exact() const { return heights == "exact"; }
+  /// 0: none was given. Fails with invalid_argument, naming option and value.
+  [[nodiscard]] Metres step() const;
+};
+void add_height_words(CLI::App* command, HeightWords& words);
+
 /// Fails with invalid_argument, naming option and value.
 [[nodiscard]] StreamOptions stream_options(const StreamWords& words, int threads = 1);
 [[nodiscard]] std::string spelled(StreamProfile profile);

@@ -7,6 +7,7 @@
 
 #include "engine/parallel.hpp"
 #include "engine/triangulation.hpp"
+#include "query/bounded_heights.hpp"
 #include "query/budget.hpp"
 #include "query/heights.hpp"
 #include "query/increment.hpp"
@@ -127,6 +128,21 @@ Answer Snapshot::ask(const Question& question) const {
                         question.neighbours.empty() && question.max_level >= finest_level(description().extent);
   if (is_plain) return range(question.region, question.tolerance);
   return select_and_gather(view_->pages, question);
+}
+
+Answer Snapshot::bounded(GridRect region, Metres tolerance, Metres quantum) const {
+  require_inside(view_->pages, region);
+  require_tolerance(tolerance);
+  return bounded_answer(*this, region, tolerance, quantum);
+}
+
+Answer Snapshot::quantised(GridRect region, Metres tolerance, Metres quantum) const {
+  require_tolerance(tolerance);
+  return quantised_answer(*this, region, tolerance, quantum);
+}
+
+Increment Snapshot::quantised_increment(GridRect region, Metres from, Metres to, Metres quantum) const {
+  return talus::quantised_increment(*this, region, from, to, quantum);
 }
 
 std::vector<Answer> Snapshot::ask_together(std::span<const Question> patches) const {

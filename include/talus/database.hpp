@@ -113,6 +113,25 @@ class Snapshot {
   /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
   [[nodiscard]] Answer ask(const Question& question) const;
 
+  /// The same as range with heights that are multiples of a quantum, which a stream holds in fewer bits: every sample is held
+  /// against the surface with these heights, which is split only where one lies beyond the tolerance. Fewer vertices than
+  /// range mostly, for no vertex is there for its error's sake alone. Answers at one tolerance and quantum meet as those of
+  /// range do; increments go on from none of them.
+  ///
+  /// quantum  metres; 0: about the tolerance
+  /// fails    as range; invalid_argument: a tolerance of 0 or infinity, a quantum that lies farther from heights than the
+  ///          tolerance; unsupported: a database that keeps the vertices of a tolerance only
+  /// cost     memory: 9 bytes a sample of the region. Time: a few times that of range
+  [[nodiscard]] Answer bounded(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
+
+  /// range at the tolerance less what rounding to a quantum costs, rounded: more vertices, but nested, so that increments of
+  /// the same quantum go on from it.
+  /// fails  as range; invalid_argument: a quantum of 0, or one that lies farther from heights than the tolerance
+  [[nodiscard]] Answer quantised(GridRect region, Metres tolerance, Metres quantum) const;
+  /// What such an answer lacks of a finer one.
+  /// fails  as increment and quantised
+  [[nodiscard]] Increment quantised_increment(GridRect region, Metres from, Metres to, Metres quantum) const;
+
   /// Several questions whose answers meet without a crack wherever two of the regions share a side or a part of one, at
   /// whatever tolerances and however thin they are: vertices there are shared, back and forth until none is missing.
   ///
