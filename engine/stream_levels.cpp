@@ -27,7 +27,7 @@ int level_of(GridPoint p, int root) { return std::min(height_in_tree(p), root); 
 // ---- numbers told one by one: a few vertices, and covers ---------------------------------------------------
 
 /// Contexts of a NumberWriter.
-enum NumberContext : int { kCount = 0, kIsThere = 1, kRows = 2, kColumns = 3, kCover = 4 /* to 5 */, kHeight = 8 /* to 16 */ };
+enum NumberContext : int { kCount = 0, kIsThere = 1, kRows = 2, kColumns = 3, kHeight = 8 /* to 16 */, kCover = 24 /* to 39 */ };
 
 std::uint64_t folded(std::int64_t v) { return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63); }
 std::int64_t unfolded(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (~(v & 1) + 1)); }
@@ -126,36 +126,15 @@ std::vector<GridPoint> take_points(NumberReader& in, const BitLattice& lattice, 
   return points;
 }
 
+/// A side midpoint's parents are centres of its level.
+void put_centres_first(std::vector<GridPoint>& points) {
+  std::stable_partition(points.begin(), points.end(), [](GridPoint p) { return is_centre(p); });
+}
+
 std::vector<std::byte> finished(NumberWriter& writer) {
   std::vector<std::byte> out;
   writer.finish(out);
   return out;
-}
-
-std::vector<std::byte> encode_covers(std::span<const std::uint8_t> covers) {
-  if (std::all_of(covers.begin(), covers.end(), [](std::uint8_t c) { return c == 15; })) return {};
-  NumberWriter out;
-  int context = kCover;
-  for (const std::uint8_t c : covers) {
-    out.put(15u - c, context);
-    context = c == 15 ? kCover : kCover + 1;
-  }
-  return finished(out);
-}
-std::vector<std::uint8_t> decode_covers(std::span<const std::byte> bytes, std::size_t count) {
-  std::vector<std::uint8_t> covers(count, 15);
-  if (bytes.empty()) return covers;
-  NumberReader in;
-  in.start(bytes);
-  int context = kCover;
-  for (std::uint8_t& c : covers) {
-    const std::uint64_t missing = in.get(context);
-    if (missing > 15) refuse("covers that are none");
-    c = static_cast<std::uint8_t>(15 - missing);
-    context = c == 15 ? kCover : kCover + 1;
-  }
-  if (!in.is_intact()) refuse("damaged covers");
-  return covers;
 }
 
 /// Pieces of a part's payload, each behind its length.
@@ -280,6 +259,7 @@ class PartsEncoder {
   }
 
   std::vector<EncodedPart> run(const RestrictedQuadtree* base, std::span<const Code> base_codes) {
+    if (base != nullptr) covers_.take(*base);
     std::vector<EncodedPart> parts{first_part()};
     if (base != nullptr) {
       std::size_t i = 0;
@@ -296,11 +276,11 @@ class PartsEncoder {
  private:
   [[nodiscard]] Code code(GridPoint p) const { return codes_[q_.vertices.rank(p)]; }
   [[nodiscard]] std::uint8_t cover(GridPoint p) const { return q_.covers[q_.vertices.rank(p)]; }
-  [[nodiscard]] std::vector<std::byte> covers_of(std::span<const GridPoint> points) const {
+  [[nodiscard]] std::vector<std::byte> covers_of(std::span<const GridPoint> points) {
     if (!h_.has_covers) return {};
     std::vector<std::uint8_t> covers;
     for (const GridPoint p : points) covers.push_back(cover(p));
-    return encode_covers(covers);
+    return covers_.encode(points, covers);
   }
 
   EncodedPart first_part() {
@@ -346,6 +326,7 @@ class PartsEncoder {
       ++count;
       if (lists) own.push_back(p);
     });
+    put_centres_first(own);
     const std::size_t wanted = options_.bands > 0 ? static_cast<std::size_t>(options_.bands)
                                                   : 1 + count / (h_.profile == StreamProfile::small ? 1u << 19 : 1u << 16);
     const std::size_t bands = std::clamp<std::size_t>(wanted, 1, static_cast<std::size_t>(std::max(1, lattice.rows)));
@@ -421,6 +402,7 @@ class PartsEncoder {
   Scale scale_;
   LevelEncoder<Code> encoder_;
   KnownLevels<Code> known_;
+  CoverCoder covers_;
   std::vector<BitLattice> lattices_;  ///< by log2 of the spacing
   BitLattice forced_;
   LevelVertices<Code> so_far_;
@@ -449,6 +431,7 @@ PartsDecoder<Code>::PartsDecoder(const StreamHeader& header, const RestrictedQua
       known_(header.root()),
       may_have_gaps_(header.has_loose) {
   if (base == nullptr) return;
+  cover_coder_.take(*base);
   std::size_t i = 0;
   base->vertices.for_each([&](GridPoint p) { known_.insert(p, base_codes[i++]); });
 }
@@ -488,8 +471,7 @@ void PartsDecoder<Code>::take_first(std::span<const std::byte> payload, std::uin
   for (std::size_t i = 0; i < there.points.size(); ++i) known_.insert(there.points[i], there.heights[i]);
   known_.sort();
   if (header_.has_covers) {
-    const auto decoded = decode_covers(covers, there.points.size());
-    for (std::size_t i = 0; i < decoded.size(); ++i) covers_.push_back({there.points[i], decoded[i]});
+    take_covers(covers, there.points);
   } else if (!covers.empty()) {
     refuse("covers that the header does not name");
   }
@@ -540,12 +522,20 @@ void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uin
     if (!covers.empty()) refuse("covers that the header does not name");
     return;
   }
-  const auto decoded = decode_covers(covers, static_cast<std::size_t>(vertices));
-  std::size_t next = 0;
+  std::vector<GridPoint> own;
   for_each_of_level(so_far_.bits, [&](GridPoint p) {
-    if (!before.contains((p.col >> shift) - before.first_col, (p.row >> shift) - before.first_row))
-      covers_.push_back({p, decoded[next++]});
+    if (!before.contains((p.col >> shift) - before.first_col, (p.row >> shift) - before.first_row)) own.push_back(p);
   });
+  put_centres_first(own);
+  take_covers(covers, own);
+}
+
+template <class Code>
+void PartsDecoder<Code>::take_covers(std::span<const std::byte> bytes, std::span<const GridPoint> points) {
+  const auto decoded = cover_coder_.decode(bytes, points);
+  for (std::size_t i = 0; i < decoded.size(); ++i) {
+    if (decoded[i] != 15) covers_.push_back({points[i], decoded[i]});
+  }
 }
 
 template <class Code>

@@ -10,6 +10,7 @@
 
 #include "engine/level_symbols.hpp"
 #include "engine/level_walk.hpp"
+#include "engine/stream_covers.hpp"
 #include "engine/stream_heights.hpp"
 
 namespace talus {
@@ -65,6 +66,7 @@ class PartsDecoder {
  private:
   void take_first(std::span<const std::byte> payload, std::uint64_t vertices);
   void take_level(std::span<const std::byte> payload, std::uint64_t vertices);
+  void take_covers(std::span<const std::byte> bytes, std::span<const GridPoint> points);
 
   const StreamHeader& header_;
   const RestrictedQuadtree* base_;
@@ -76,7 +78,8 @@ class PartsDecoder {
   std::size_t taken_ = 0;
   std::uint64_t found_ = 0;
   bool may_have_gaps_ = false;  ///< vertices that need not have their parents
-  std::vector<std::pair<GridPoint, std::uint8_t>> covers_;
+  CoverCoder cover_coder_;
+  std::vector<std::pair<GridPoint, std::uint8_t>> covers_;  ///< those that are not 15
 };
 
 extern template class PartsDecoder<std::int32_t>;

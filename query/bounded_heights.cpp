@@ -121,6 +121,12 @@ class Splitter {
   /// The quadtree of what is chosen so far.
   [[nodiscard]] RestrictedQuadtree quadtree() {
     close_bottom_up(chosen_, root_);
+    // Amid voids no triangle needs all that a vertex depends on.
+    for (std::int64_t row = region_.first.row; row <= region_.last.row; ++row) {
+      const auto to = chosen_.row_words(static_cast<std::int32_t>(row));
+      const auto all = std::as_const(finest_.quadtree.vertices).row_words(static_cast<std::int32_t>(row));
+      for (std::size_t w = 0; w < to.size(); ++w) to[w] &= all[w];
+    }
     chosen_.seal();
     const RestrictedQuadtree& f = finest_.quadtree;
     RestrictedQuadtree q;
