@@ -90,13 +90,15 @@ struct SymbolState {
 };
 
 template <class Code>
-void BandRecord<Code>::take(const CandidateRow<Code>& row) {
+void BandRecord<Code>::take(const CandidateRow<Code>& row, bool with_surroundings) {
   lattice = row.lattice;
   rows.push_back({row.row, row.count});
-  columns.insert(columns.end(), row.columns, row.columns + row.count);
   contexts.insert(contexts.end(), row.contexts, row.contexts + row.count);
-  energies.insert(energies.end(), row.energies, row.energies + row.count);
-  distances.insert(distances.end(), row.distances, row.distances + row.count);
+  if (with_surroundings) {
+    columns.insert(columns.end(), row.columns, row.columns + row.count);
+    energies.insert(energies.end(), row.energies, row.energies + row.count);
+    distances.insert(distances.end(), row.distances, row.distances + row.count);
+  }
   present.insert(present.end(), row.present, row.present + row.count);
   residuals.insert(residuals.end(), row.residuals, row.residuals + row.count);
 }
@@ -113,11 +115,11 @@ int shift_of(const Halves<Code>& halves) {
   double sum = 0, count = 0;
   for (const auto& bands : halves) {
     for (const auto& band : bands) {
-      for (std::size_t i = 0; i < band.present.size(); ++i) {
-        if (band.present[i] == 0) continue;
-        sum += static_cast<double>(band.residuals[i] < 0 ? ~band.residuals[i] : band.residuals[i]);
-        ++count;
-      }
+      std::uint64_t there = 0, sizes = 0;  // absent ones have residual 0
+      for (const std::uint8_t p : band.present) there += p;
+      for (const Code r : band.residuals) sizes += std::min<std::uint64_t>(static_cast<std::uint64_t>(r < 0 ? ~r : r), 1u << 30);
+      count += static_cast<double>(there);
+      sum += static_cast<double>(sizes);
     }
   }
   int shift = 0;
@@ -213,8 +215,11 @@ Bytes encode_balanced(const Halves<Code>& halves, SymbolState& state) {
   for (const auto& bands : halves) {
     for (const auto& band : bands) {
       const Tokens& made = tokens[next++];
-      std::vector<std::uint8_t> contexts = band.contexts;
-      for (std::uint8_t& c : contexts) c = context_at(state.resolution, c);
+      std::vector<std::uint8_t> kinds;
+      if (state.resolution == Resolution::kinds) {
+        for (const std::uint8_t c : band.contexts) kinds.push_back(context_at(state.resolution, c));
+      }
+      const std::vector<std::uint8_t>& contexts = state.resolution == Resolution::kinds ? kinds : band.contexts;
       std::vector<SymbolRow> rows;
       std::size_t at = 0;
       for (const auto& row : band.rows) {

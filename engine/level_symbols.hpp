@@ -31,11 +31,13 @@ struct BandRecord {
   };
   BitLattice const* lattice = nullptr;
   std::vector<Row> rows;
-  std::vector<std::uint32_t> columns;
-  std::vector<std::uint8_t> contexts, energies, distances, present;
+  std::vector<std::uint8_t> contexts, present;
   std::vector<Code> residuals;  ///< of absent ones: 0
+  // Only of the small profile.
+  std::vector<std::uint32_t> columns;
+  std::vector<std::uint8_t> energies, distances;
 
-  void take(const CandidateRow<Code>& row);
+  void take(const CandidateRow<Code>& row, bool with_surroundings);
 };
 
 /// Tables of the balanced profile may serve the next level, too.

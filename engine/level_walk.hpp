@@ -57,13 +57,37 @@ class Scale {
       : factor_(static_cast<float>(8.0 / std::clamp(tolerance, 1.0, 1e9))) {}
   template <class Code>
   [[nodiscard]] std::uint8_t of(Code residual) const {
-    const float size = static_cast<float>(residual < 0 ? ~residual : residual) * factor_;
+    return size(residual, factor_);
+  }
+  [[nodiscard]] float factor() const { return factor_; }
+  template <class Code>
+  [[nodiscard, gnu::always_inline]] static std::uint8_t size(Code residual, float factor) {
+    const float size = static_cast<float>(residual < 0 ? ~residual : residual) * factor;
     return static_cast<std::uint8_t>(static_cast<int>(size < 255.0f ? size : 255.0f));
   }
 
  private:
   float factor_;
 };
+
+/// Many candidates side by side, for the widest vectors there are.
+template <class Code>
+struct Expectations {
+  std::size_t count = 0;
+  const Code *end1 = nullptr, *end2 = nullptr, *beside1 = nullptr, *beside2 = nullptr;
+  const std::uint8_t *size1 = nullptr, *size2 = nullptr;  ///< of the residuals of those beside
+  Code *predicted = nullptr, *flips = nullptr;
+  std::uint8_t *contexts = nullptr, *energies = nullptr, *distances = nullptr;
+};
+/// What is expected of strict candidates: halfway between the ends of the diamond; where the vertices beside stand higher
+/// than that, rather more.
+void expect_all(const Expectations<std::int32_t>& candidates, float scale, int kind);
+void expect_all(const Expectations<std::int64_t>& candidates, float scale, int kind);
+/// Heights and sizes of what was told.
+void settle_all(std::size_t count, const std::int32_t* predicted, const std::int32_t* flips, const std::int32_t* residuals,
+                float scale, std::int32_t* heights, std::uint8_t* sizes);
+void settle_all(std::size_t count, const std::int64_t* predicted, const std::int64_t* flips, const std::int64_t* residuals,
+                float scale, std::int64_t* heights, std::uint8_t* sizes);
 
 /// Vertices down to a spacing, row by row.
 template <class Code>
@@ -258,30 +282,21 @@ class LevelWalk {
     }
   }
 
-  [[nodiscard]] static int energy_class(int sum) { return (sum >= 9 ? 1 : 0) + (sum >= 16 ? 1 : 0) + (sum >= 28 ? 1 : 0); }
-  [[nodiscard]] static int distance_class(int size) { return (size >= 2 ? 1 : 0) + (size >= 5 ? 1 : 0) + (size >= 9 ? 1 : 0); }
-
   struct Room {
     std::vector<std::uint32_t> columns;
-    std::vector<std::uint8_t> contexts, energies, distances, present;
-    std::vector<Code> predicted, flips, residuals;
+    std::vector<std::uint8_t> contexts, energies, distances, present, size1, size2, sizes;
+    std::vector<Code> end1, end2, beside1, beside2, predicted, flips, residuals, heights;
     explicit Room(std::size_t n)
-        : columns(n), contexts(n), energies(n), distances(n), present(n), predicted(n), flips(n), residuals(n) {}
+        : columns(n), contexts(n), energies(n), distances(n), present(n), size1(n), size2(n), sizes(n), end1(n), end2(n),
+          beside1(n), beside2(n), predicted(n), flips(n), residuals(n), heights(n) {}
+    /// From two ends and two vertices beside them.
+    [[gnu::always_inline]] void put(std::size_t n, std::size_t i, Code a, Code b, Code c, Code d, std::uint8_t size_c,
+                                    std::uint8_t size_d) {
+      columns[n] = static_cast<std::uint32_t>(i);
+      end1[n] = a, end2[n] = b, beside1[n] = c, beside2[n] = d;
+      size1[n] = size_c, size2[n] = size_d;
+    }
   };
-
-  /// One strict candidate: from two ends and two vertices beside them.
-  void expect(Room& room, std::size_t n, std::size_t i, Code a, Code b, Code c, Code d, int size_c, int size_d, int kind) const {
-    const Code middle = halfway(a, b);
-    const Code apart = wrapped_difference(halfway(c, d), middle);
-    room.columns[n] = static_cast<std::uint32_t>(i);
-    room.predicted[n] = middle;
-    room.flips[n] = static_cast<Code>(apart < 0 ? -1 : 0);
-    const int distance = scale_.of(apart);
-    room.energies[n] = static_cast<std::uint8_t>((size_c + size_d) / 2);
-    room.distances[n] = static_cast<std::uint8_t>(distance);
-    room.contexts[n] = static_cast<std::uint8_t>((kind * kEnergies + energy_class(size_c + size_d)) * kDistances +
-                                                 distance_class(distance));
-  }
 
   /// A loose one: from what there is.
   void expect_loose(Room& room, std::size_t n, std::size_t i, std::int32_t j, Row& above, Row& row, Row& below,
@@ -415,17 +430,21 @@ class LevelWalk {
         const std::uint8_t *us = above.size() + i, *bs = row.size() + i, *ds = below.size() + i;
         if constexpr (are_centres) {
           if (is_even_square(i, j)) {
-            expect(room, n++, i, u[-1], d[1], u[1], d[-1], us[1], ds[-1], 0);
+            room.put(n++, i, u[-1], d[1], u[1], d[-1], us[1], ds[-1]);
           } else {
-            expect(room, n++, i, u[1], d[-1], u[-1], d[1], us[-1], ds[1], 0);
+            room.put(n++, i, u[1], d[-1], u[-1], d[1], us[-1], ds[1]);
           }
         } else if (is_odd(j)) {
-          expect(room, n++, i, *u, *d, b[-1], b[1], bs[-1], bs[1], 1);
+          room.put(n++, i, *u, *d, b[-1], b[1], bs[-1], bs[1]);
         } else {
-          expect(room, n++, i, b[-1], b[1], *u, *d, *us, *ds, 1);
+          room.put(n++, i, b[-1], b[1], *u, *d, *us, *ds);
         }
       }
     }
+    expect_all({n, room.end1.data(), room.end2.data(), room.beside1.data(), room.beside2.data(), room.size1.data(),
+                room.size2.data(), room.predicted.data(), room.flips.data(), room.contexts.data(), room.energies.data(),
+                room.distances.data()},
+               scale_.factor(), are_centres ? 0 : 1);
     if (has_loose_) {
       for (std::size_t w = 0; w < f.words_per_row; ++w) {
         for (std::uint64_t rest = bits.loose[w]; rest != 0; rest &= rest - 1)
@@ -438,40 +457,51 @@ class LevelWalk {
                                   room.energies.data(), room.distances.data(), room.predicted.data(), room.flips.data(),
                                   room.present.data(), room.residuals.data()};
     coder(candidates);
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t i = room.columns[k];
-      const Code residual = room.residuals[k];
-      row.words()[i / 64] |= static_cast<std::uint64_t>(room.present[k]) << (i % 64);
-      row.height()[i] = wrapped_sum(room.predicted[k], static_cast<Code>(residual ^ room.flips[k]));
-      row.size()[i] = scale_.of(residual);
+    settle_all(n, room.predicted.data(), room.flips.data(), room.residuals.data(), scale_.factor(), room.heights.data(),
+               room.sizes.data());
+    std::size_t k = 0;
+    for (const auto* words : {&bits.strict, &bits.loose}) {
+      if (words == &bits.loose && !has_loose_) break;
+      for (std::size_t w = 0; w < f.words_per_row; ++w) {
+        std::uint64_t there = 0;
+        Code* height = row.height() + 64 * w;
+        std::uint8_t* size = row.size() + 64 * w;
+        for (std::uint64_t rest = (*words)[w]; rest != 0; rest &= rest - 1, ++k) {
+          const int i = std::countr_zero(rest);
+          there |= static_cast<std::uint64_t>(room.present[k]) << i;
+          height[i] = room.heights[k];
+          size[i] = room.sizes[k];
+        }
+        row.words()[w] |= there;
+      }
     }
   }
 
   void append(Part& part, Row& row, std::uint64_t* out) const {
-    const std::size_t words = fine_.bits.words_per_row;
-    std::size_t count = 0;
-    for (std::size_t w = 0; w < words; ++w) {
-      out[w] = row.words()[w];
-      count += static_cast<std::size_t>(std::popcount(out[w]));
+    const std::size_t words = fine_.bits.words_per_row, begin = part.heights.size(), room = begin + 64 * words;
+    if (part.heights.capacity() < room) {
+      part.heights.reserve(2 * begin + room + 4096);
+      part.sizes.reserve(2 * begin + room + 4096);
     }
-    const std::size_t begin = part.heights.size();
-    if (begin + count > most_) throw Failure(Cause::corrupt, "corrupt: more vertices than the header says");
-    if (part.heights.capacity() < begin + count) {
-      part.heights.reserve(2 * begin + count + 4096);
-      part.sizes.reserve(2 * begin + count + 4096);
-    }
-    part.heights.resize(begin + count);
-    part.sizes.resize(begin + count);
+    part.heights.resize(room);
+    part.sizes.resize(room);
     Code* height = part.heights.data() + begin;
     std::uint8_t* size = part.sizes.data() + begin;
     for (std::size_t w = 0; w < words; ++w) {
+      out[w] = row.words()[w];
+      const Code* from = row.height() + 64 * w;
+      const std::uint8_t* from_size = row.size() + 64 * w;
       for (std::uint64_t rest = out[w]; rest != 0; rest &= rest - 1) {
-        const std::size_t i = 64 * w + static_cast<std::size_t>(std::countr_zero(rest));
-        *height++ = row.height()[i];
-        *size++ = row.size()[i];
+        const int i = std::countr_zero(rest);
+        *height++ = from[i];
+        *size++ = from_size[i];
       }
     }
-    part.row_sizes.push_back(count);
+    const auto count = static_cast<std::size_t>(height - part.heights.data());
+    if (count > most_) throw Failure(Cause::corrupt, "corrupt: more vertices than the header says");
+    part.heights.resize(count);
+    part.sizes.resize(count);
+    part.row_sizes.push_back(count - begin);
   }
 
   static void join(LevelVertices<Code>& whole, std::vector<Part>&& parts) {

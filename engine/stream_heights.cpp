@@ -26,10 +26,16 @@ double from_ordered(std::int64_t v) {
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
+/// The whole number nearest to one of at most 2^51: beyond, doubles next to each other lie farther apart than halves.
+double nearest(double v) {
+  constexpr double kShift = 6755399441055744.0;  // 3 · 2^51
+  return (v + kShift) - kShift;
+}
+
 /// The whole number that a step takes to a height, if there is one.
 bool whole_code(const HeightStep& step, double height, double& code) {
-  code = std::nearbyint((height - step.offset) * step.divisor / step.scale) + 0.0;  // no negative zero
-  return std::abs(code) < 9e15 && same_bits(step.value(code), height);
+  code = nearest((height - step.offset) * step.divisor / step.scale) + 0.0;  // no negative zero
+  return std::abs(code) < 2e15 && same_bits(step.value(code), height);
 }
 
 constexpr double kMostNarrow = 1 << 30;

@@ -339,7 +339,7 @@ class PartsEncoder {
         records[half].assign(bands, {});
         auto parts = walk_half(walk, half, bands, threads_, known_.at(shift, half), [&](std::size_t b, CandidateRow<Code>& row) {
           tell(lattice, row);
-          records[half][b].take(row);
+          records[half][b].take(row, h_.profile == StreamProfile::small);
         });
         half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
       };
