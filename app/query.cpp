@@ -117,7 +117,7 @@ void require_fit_for_heights(const Request& request) {
   if (request.heights.are_exact()) return;
   if (!request.is_plain()) {
     throw Failure(Cause::invalid_argument,
-                  "--heights bounded goes with a rectangle, a tolerance or a budget and a constrained border: without "
+                  "--heights bounded goes with a rectangle, a tolerance or a budget and --border constrain: without "
                   "--focus, --max-level, --match, --tolerance-raster, points, lines and other borders");
   }
   if (!request.from.empty() && request.heights.quantum.empty())

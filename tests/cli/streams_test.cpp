@@ -74,6 +74,76 @@ TEST_F(StreamCommands, AnswersOfDifferentDetailMeetWhereOneMatchesTheOther) {
   EXPECT_NE(other.err.find("another database"), std::string::npos) << other.err;
 }
 
+TEST_F(StreamCommands, ComeInThreeProfilesWhichHoldTheSame) {
+  must({"query", "a.talus", "--tolerance", "3", "-o", "whole.ply"});
+  std::size_t last = ~std::size_t{0};
+  for (const char* profile : {"fast", "balanced", "small"}) {
+    must({"query", "a.talus", "--tolerance", "3", "--profile", profile, "-o", "p.rqt"});
+    const std::size_t size = bytes_of(folder / "p.rqt").size();
+    EXPECT_LT(size, last) << profile;
+    last = size;
+    must({"convert", "p.rqt", "-o", "p.ply"});
+    EXPECT_TRUE(bytes_of(folder / "p.ply") == bytes_of(folder / "whole.ply")) << profile;
+    const auto info = json_of(must({"info", "p.rqt", "--json"}));
+    EXPECT_EQ(info["profile"], profile);
+    EXPECT_EQ(info["bytes"], size);
+    std::uint64_t vertices = 0, bytes = info["header_bytes"];
+    for (const auto& part : info["parts"]) vertices += part["vertices"].get<std::uint64_t>(), bytes += part["bytes"].get<std::uint64_t>();
+    EXPECT_EQ(vertices, info["vertices"]);
+    EXPECT_EQ(bytes, size);
+  }
+  must({"convert", "p.rqt", "--profile", "balanced", "--bands", "3", "--threads", "2", "-o", "q.rqt"});
+  must({"convert", "q.rqt", "-o", "q.ply"});
+  EXPECT_TRUE(bytes_of(folder / "q.ply") == bytes_of(folder / "whole.ply"));
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "3", "--profile", "tiny", "-o", "x.rqt"}), {usage}, {"--profile", "tiny"});
+  expect_refusal(talus({"info", "none.rqt"}), {failed}, {"none.rqt"});
+}
+
+TEST_F(StreamCommands, RoundHeightsWithinTheTolerance) {
+  const auto exact = json_of(must({"query", "a.talus", "--tolerance", "6", "-o", "exact.rqt", "--json"}));
+  const auto bounded = json_of(must({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "-o", "bounded.rqt", "--json"}));
+  EXPECT_EQ(exact["quantum"], 0);
+  EXPECT_GT(bounded["quantum"], 0);
+  EXPECT_LE(bounded["bound"].get<double>(), 6.00000001);
+  EXPECT_LT(bytes_of(folder / "bounded.rqt").size(), bytes_of(folder / "exact.rqt").size());
+  must({"query", "a.talus", "--tolerance", "20", "--heights", "bounded", "--quantum", "2", "-o", "base.rqt"});
+  must({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o", "more.rqt"});
+  must({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o", "whole.rqt"});
+  must({"merge", "base.rqt", "more.rqt", "-o", "merged.rqt"});
+  EXPECT_TRUE(bytes_of(folder / "merged.rqt") == bytes_of(folder / "whole.rqt"));
+
+  must({"query", "a.talus", "--from", "20", "--tolerance", "6", "-o", "plain.rqt"});
+  expect_refusal(talus({"merge", "base.rqt", "plain.rqt", "-o", "x.rqt"}), {usage}, {"plain.rqt", "--quantum"});
+  expect_refusal(talus({"merge", "bounded.rqt", "more.rqt", "-o", "x.rqt"}), {usage}, {"more.rqt"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "rough"}), {usage}, {"--heights", "rough"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--quantum", "2"}), {usage}, {"--quantum", "--heights bounded"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "0"}), {usage}, {"--quantum", "0"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "1", "--heights", "bounded", "--quantum", "40"}), {usage}, {"40 m", "1 m"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "0", "--heights", "bounded"}), {usage}, {"0 m"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--border", "cover"}), {usage}, {"--border"});
+  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded"}), {usage}, {"--quantum"});
+}
+
+TEST_F(StreamCommands, AreReadFromAPipeAsTheyArrive) {
+  must({"query", "a.talus", "--tolerance", "3", "-o", "a.rqt", "-o", "a.ply"});
+  const std::string bytes = bytes_of(folder / "a.rqt");
+  const auto piped = [&](const std::string& output, const std::string& input) {
+    write_bytes(folder / "pipe", input);
+    RunOptions options;
+    options.input = (folder / "pipe").string();
+    return talus({"convert", "-", "-o", output}, options);
+  };
+  const Outcome outcome = piped("piped.ply", bytes);
+  EXPECT_EQ(outcome.exit_code, done) << outcome.err;
+  EXPECT_TRUE(bytes_of(folder / "piped.ply") == bytes_of(folder / "a.ply"));
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("bound "));
+  const Outcome cut = piped("x.ply", bytes.substr(0, bytes.size() - 1));
+  EXPECT_EQ(cut.exit_code, damaged);
+  EXPECT_THAT(cut.err, ::testing::HasSubstr("the stream is cut"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "x.ply"));
+  expect_refusal(piped("x.ply", ""), {damaged}, {"cut"});
+}
+
 TEST_F(StreamCommands, SayWhatTheyDidInJson) {
   const auto base = json_of(must({"query", "a.talus", "--tolerance", "20", "-o", "base.rqt", "--json"}));
   const auto delta = json_of(must({"query", "a.talus", "--from", "20", "--tolerance", "3", "-o", "d.rqt", "--json"}));

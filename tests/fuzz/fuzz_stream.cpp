@@ -1,15 +1,17 @@
-// Arbitrary bytes as a stream, and the same with checksums that fit: refused, or one that is written and read again.
+// Arbitrary bytes as a stream, and the same with checksums that fit: refused, or one that is written and read again. Then as
+// an increment of a small answer.
 
-#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include <xxhash.h>
 
 #include "engine/stream_codec.hpp"
+#include "engine/stream_header.hpp"
 #include "engine/triangulation.hpp"
 #include "talus/failure.hpp"
 
@@ -21,66 +23,97 @@ void require(bool holds) {
   if (!holds) std::abort();
 }
 
-void look_at(std::span<const std::byte> bytes) {
-  const StreamLimits limits{std::uint64_t{1} << 22};
+bool is_refusal(const Failure& failure) {
+  return failure.cause() == Cause::corrupt || failure.cause() == Cause::unsupported || failure.cause() == Cause::invalid_argument;
+}
+
+const StreamLimits kLimits{std::uint64_t{1} << 20, std::uint64_t{1} << 20};
+
+void look_at(std::span<const std::byte> bytes, const RestrictedQuadtree* base) {
   try {
-    static_cast<void>(decode_stream_prefix(bytes, limits));
+    static_cast<void>(stream_info(bytes, kLimits));
   } catch (const Failure& failure) {
-    require(failure.cause() == Cause::corrupt || failure.cause() == Cause::unsupported);
+    require(is_refusal(failure));
   }
   try {
-    const Stream stream = decode_stream(bytes, limits);
-    const auto once = encode(stream);
-    require(encode(decode_stream(once)) == once);
-    const auto* answer = std::get_if<RestrictedQuadtree>(&stream.content);
+    static_cast<void>(decode_stream_prefix(bytes, kLimits, base));
+  } catch (const Failure& failure) {
+    require(is_refusal(failure));
+  }
+  Stream stream;
+  try {
+    stream = decode_stream(bytes, kLimits, base);
+  } catch (const Failure& failure) {
+    return require(is_refusal(failure));
+  }
+  const auto* answer = std::get_if<RestrictedQuadtree>(&stream.content);
+  try {
+    const auto once = encode(stream, {}, base);
+    require(encode(decode_stream(once, {}, base), {}, base) == once);
     if (answer != nullptr && answer->origin.border == Border::constrain) static_cast<void>(triangulate(*answer, 1));
+    if (answer == nullptr) static_cast<void>(merge(*base, std::get<Increment>(stream.content)));
   } catch (const Failure& failure) {
-    require(failure.cause() == Cause::corrupt || failure.cause() == Cause::unsupported);
+    require(is_refusal(failure));  // quanta that rounding does not lead back to
   }
 }
 
-template <class T>
-T at(const std::vector<std::byte>& bytes, std::size_t where) {
-  T value{};
-  if (where + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + where, sizeof value);
-  return value;
-}
-
-/// Makes each checksum that the sizes lead to fit.
-void reseal(std::vector<std::byte>& bytes) {
-  std::uint64_t seed = 0;
-  std::size_t begin = 0;
-  const auto seal = [&](std::uint64_t size) {
-    if (size < 8 || size > bytes.size() - begin) return false;
-    seed = XXH3_64bits_withSeed(bytes.data() + begin, static_cast<std::size_t>(size - 8), seed);
-    std::memcpy(bytes.data() + begin + size - 8, &seed, 8);
-    begin += static_cast<std::size_t>(size);
-    return true;
+/// Makes each checksum that the lengths lead to fit, and an increment's base the one that it is held against.
+void reseal(std::vector<std::byte>& bytes, const RestrictedQuadtree& base) {
+  const auto word = [&](std::size_t at) {
+    std::uint32_t v = 0;
+    if (at + 4 <= bytes.size()) std::memcpy(&v, &bytes[at], 4);
+    return v;
   };
-  if (!seal(at<std::uint32_t>(bytes, 12))) return;
-  const bool has_covers = (at<std::uint32_t>(bytes, 16) & 4) != 0;
-  const std::int64_t sides[] = {at<std::int32_t>(bytes, 56), at<std::int32_t>(bytes, 60), at<std::int32_t>(bytes, 64),
-                                at<std::int32_t>(bytes, 68)};
-  for (bool first = true; begin < bytes.size(); first = false) {
-    const std::uint32_t shift = at<std::uint32_t>(bytes, begin + 4) & 31;
-    const auto count = at<std::uint64_t>(bytes, begin + 8);
-    if (count > bytes.size()) return;
-    const auto across = [&](std::size_t i) {
-      const std::int64_t low = (sides[i] + (std::int64_t{1} << shift) - 1) >> shift;
-      return static_cast<std::uint64_t>(std::max<std::int64_t>(0, (sides[i + 2] >> shift) - low + 1));
-    };
-    const std::uint64_t mask = count == 0 ? 0 : (across(0) * across(1) + 7) / 8;
-    if (!seal(32 + (first ? 8 * count : mask) + 8 * count + (has_covers ? (count + 1) / 2 : 0) + 8)) return;
+  std::size_t size = word(12);
+  if (size < 264 || size > bytes.size()) return;
+  if ((word(16) & 1) != 0) {
+    const std::uint64_t digest = digest_of(base);
+    std::memcpy(bytes.data() + 240, &digest, 8);
   }
+  std::uint64_t seed = XXH3_64bits_withSeed(bytes.data(), size - 8, 0);
+  std::memcpy(bytes.data() + size - 8, &seed, 8);
+  for (std::size_t begin = size; begin + 12 <= bytes.size(); begin += size) {
+    size = std::size_t{12} + word(begin);
+    if (size > bytes.size() - begin) return;
+    seed = XXH3_64bits_withSeed(bytes.data() + begin, size - 4, seed);
+    std::memcpy(bytes.data() + begin + size - 4, &seed, 4);
+  }
+}
+
+/// What increments in these bytes could go on from: the corners of their region, as far as the header tells.
+RestrictedQuadtree base_of(const std::vector<std::byte>& bytes) {
+  RestrictedQuadtree q;
+  q.region = {{0, 0}, {16, 16}};
+  const auto header = [&]() -> std::optional<StreamHeader> {
+    try {
+      return take_header(bytes, kLimits);
+    } catch (const Failure&) {
+      return std::nullopt;
+    }
+  }();
+  if (header) q = header->quadtree;
+  if (header) q.tolerance = header->from;
+  q.vertices = VertexMask(header ? header->window : q.region);
+  q.vertices.insert(q.region.first);
+  q.vertices.insert(q.region.last);
+  q.vertices.insert({q.region.first.col, q.region.last.row});
+  q.vertices.insert({q.region.last.col, q.region.first.row});
+  q.vertices.seal();
+  q.heights.resize(q.vertices.size());
+  for (double& h : q.heights) h = 0;
+  return q;
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto bytes = std::as_bytes(std::span(data, size));
-  look_at(bytes);
-  std::vector<std::byte> fitting(bytes.begin(), bytes.end());
-  reseal(fitting);
-  look_at(fitting);
+  std::vector<std::byte> bytes(size);
+  if (size > 0) std::memcpy(bytes.data(), data, size);
+  RestrictedQuadtree base = base_of(bytes);
+  look_at(bytes, &base);
+  reseal(bytes, base);
+  base = base_of(bytes);
+  reseal(bytes, base);
+  look_at(bytes, &base);
   return 0;
 }
