@@ -266,9 +266,13 @@ void add_query(CLI::App& program, Action& action) {
       ->option_text("L");
   command
       ->add_option("--max-vertices", request->budget.vertices,
-                   "Instead of a tolerance: the smallest whose answer has at most N")
+                   "Instead of a tolerance: the smallest whose answer has at most N, on the ladder of stored errors,\n"
+                   "whose rungs are 0.6 % apart. Beside voids vertices count that no triangle needs")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
       ->option_text("N");
-  command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")->option_text("N");
+  command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
+      ->option_text("N");
   command
       ->add_option("--focus", request->focus,
                    "The tolerance is that of --tolerance at a point and grows by so many metres with each metre\n"
@@ -277,7 +281,8 @@ void add_query(CLI::App& program, Action& action) {
   command
       ->add_option("--tolerance-raster", request->tolerance_raster,
                    "Instead of a tolerance: a raster of one band with metres. Each sample has the tolerance of\n"
-                   "the cell it lies in; one that is not georeferenced lies evenly over the rectangle")
+                   "the cell it lies in, at most 1000000; one that is not georeferenced lies evenly over the\n"
+                   "rectangle")
       ->option_text("FILE")
       ->check(is_named);
   add_interest(command, request->interest);

@@ -95,14 +95,10 @@ double SymbolTables::cost(std::span<const Counts> counts) const {
 
 void SymbolTables::write(BitWriter& out) const {
   for (const auto& chances : chances_) {
-    std::uint32_t left = kAll;
     std::size_t used = kMostSymbols;
     while (used > 0 && chances[used - 1].size == 0) --used;
     out.put_gamma(static_cast<std::uint32_t>(used) + 1);
-    for (std::size_t s = 0; s + 1 < used; ++s) {
-      out.put_gamma(chances[s].size + 1u);
-      left -= chances[s].size;
-    }
+    for (std::size_t s = 0; s + 1 < used; ++s) out.put_gamma(chances[s].size + 1u);
   }
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "talus/database.hpp"
@@ -28,6 +29,7 @@ class Clipper {
       }
       for (std::size_t i = 2; i < polygon.size(); ++i) triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
     }
+    weld_corners(triangles);
     return used(triangles);
   }
 
@@ -93,6 +95,28 @@ class Clipper {
     (by_col ? cut.at.col : cut.at.row) = line;
     vertices_.push_back(cut);
     return at->second;
+  }
+
+  /// An edge through a corner of the frame is cut by both sides there, at places that rounding keeps apart: they become one,
+  /// and triangles between them go.
+  void weld_corners(std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    constexpr double kNear = 1e-9;  // cells
+    std::vector<std::uint32_t> one(vertices_.size());
+    for (std::uint32_t i = 0; i < one.size(); ++i) one[i] = i;
+    for (const Place corner : {Place{frame_.west, frame_.north}, {frame_.east, frame_.north}, {frame_.west, frame_.south}, {frame_.east, frame_.south}}) {
+      std::optional<std::uint32_t> first;
+      for (std::uint32_t i = static_cast<std::uint32_t>(mesh_.size()); i < one.size(); ++i) {
+        Place& at = vertices_[i].at;
+        if (std::abs(at.col - corner.col) > kNear || std::abs(at.row - corner.row) > kNear) continue;
+        at = corner;
+        if (!first) first = i;
+        one[i] = *first;
+      }
+    }
+    std::erase_if(triangles, [&](std::array<std::uint32_t, 3>& t) {
+      for (std::uint32_t& v : t) v = one[v];
+      return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    });
   }
 
   /// Only what triangles use; grid points first.

@@ -15,7 +15,7 @@ Increment increment_query(const StoredPages& pages, GridRect region, Metres from
   require_tolerance(to);
   if (!(to < from)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("increment from {} m to {} m: expected `to`, the finer tolerance, below `from`", from.value,
+                  fmt::format("increment from {} m to {} m: expected a finer one to go to: --tolerance below --from", from.value,
                               to.value));
   }
   Answer added = range_query(pages, region, to, threads, from);
