@@ -41,29 +41,30 @@ class Emitter {
         out_(out),
         last_(out + room - kMostAround) {}
 
-  /// Emits the leaves around every vertex of some rows; returns one past the last triangle. A triangle is always written
-  /// and then kept or not: whether it is a leaf is a coin toss to a branch predictor.
+  /// Emits the leaves around every vertex of some rows; returns one past the last triangle. A triangle is always
+  /// written and then kept or not: whether it is a leaf is a coin toss to a branch predictor.
   ///
   /// fails  corrupt: corners that are not there
   TALUS_INLINE Corners* run(std::int32_t first_row, std::int32_t last_row) {
     const bool all_covered = quadtree_.covers.empty();
     std::uint32_t self = mask_.rank({window_.first.col, first_row});
-    mask_.for_each_in_rows(first_row, last_row, [&](GridPoint p) __attribute__((always_inline)) {
-      points_[self] = p;
-      const std::uint8_t covers = all_covered ? std::uint8_t{15} : quadtree_.covers[self];
-      const std::int32_t s = spacing(p);
-      const bool inner = p.col - s >= region_.first.col && p.col + s <= region_.last.col &&
-                         p.row - s >= region_.first.row && p.row + s <= region_.last.row;
-      if (!inner || covers != 15 || s == kRootSpacing) {
-        any(p, self, covers);
-      } else if (s == 1) {
-        ((p.col & p.row) & 1) != 0 ? finest_centre(p, self) : finest_side(p, self);
-      } else {
-        is_centre(p) ? centre(p, self, s) : side(p, self, s);
-      }
-      ++self;
-      if (out_ > last_) refuse();  // what follows might not fit
-    });
+    mask_.for_each_in_rows(
+        first_row, last_row, [&](GridPoint p) __attribute__((always_inline)) {
+          points_[self] = p;
+          const std::uint8_t covers = all_covered ? std::uint8_t{15} : quadtree_.covers[self];
+          const std::int32_t s = spacing(p);
+          const bool inner = p.col - s >= region_.first.col && p.col + s <= region_.last.col &&
+                             p.row - s >= region_.first.row && p.row + s <= region_.last.row;
+          if (!inner || covers != 15 || s == kRootSpacing) {
+            any(p, self, covers);
+          } else if (s == 1) {
+            ((p.col & p.row) & 1) != 0 ? finest_centre(p, self) : finest_side(p, self);
+          } else {
+            is_centre(p) ? centre(p, self, s) : side(p, self, s);
+          }
+          ++self;
+          if (out_ > last_) refuse();  // what follows might not fit
+        });
     if (!closed_) refuse();
     return out_;
   }
@@ -74,6 +75,9 @@ class Emitter {
                   "corrupt: vertices without their parents make no mesh: the errors that selected them are damaged");
   }
 
+  /// Without a branch.
+  static constexpr bool all(int a, int b, int c = 1, int d = 1) { return (a & b & c & d) != 0; }
+
   TALUS_INLINE void keep(Corners corners, bool leaf) {
     *out_ = corners;
     out_ += leaf ? 1 : 0;
@@ -83,8 +87,8 @@ class Emitter {
   TALUS_INLINE void finest_side(GridPoint p, std::uint32_t self) {
     const std::uint32_t north = mask_.rank({p.col, p.row - 1}), south = mask_.rank({p.col, p.row + 1});
     const std::uint32_t west = self - 1, east = self + 1;
-    closed_ &= mask_.contains({p.col, p.row - 1}) & mask_.contains({p.col, p.row + 1}) &
-               mask_.contains({p.col - 1, p.row}) & mask_.contains({p.col + 1, p.row});
+    closed_ &= all(mask_.contains({p.col, p.row - 1}), mask_.contains({p.col, p.row + 1}),
+                   mask_.contains({p.col - 1, p.row}), mask_.contains({p.col + 1, p.row}));
     keep({self, north, west}, true);
     keep({self, west, south}, true);
     keep({self, south, east}, true);
@@ -97,8 +101,8 @@ class Emitter {
     const bool west = mask_.contains({p.col - 1, p.row}), east = mask_.contains({p.col + 1, p.row});
     const std::uint32_t nw = mask_.rank({p.col - 1, p.row - 1}), ne = nw + 1 + (north ? 1 : 0);
     const std::uint32_t sw = mask_.rank({p.col - 1, p.row + 1}), se = sw + 1 + (south ? 1 : 0);
-    closed_ &= mask_.contains({p.col - 1, p.row - 1}) & mask_.contains({p.col + 1, p.row - 1}) &
-               mask_.contains({p.col - 1, p.row + 1}) & mask_.contains({p.col + 1, p.row + 1});
+    closed_ &= all(mask_.contains({p.col - 1, p.row - 1}), mask_.contains({p.col + 1, p.row - 1}),
+                   mask_.contains({p.col - 1, p.row + 1}), mask_.contains({p.col + 1, p.row + 1}));
     keep({self, ne, nw}, !north);
     keep({self, nw, sw}, !west);
     keep({self, sw, se}, !south);
@@ -110,7 +114,7 @@ class Emitter {
     const std::int32_t h = s / 2;
     const GridPoint n{p.col, p.row - s}, w{p.col - s, p.row}, so{p.col, p.row + s}, e{p.col + s, p.row};
     const std::uint32_t north = mask_.rank(n), west = mask_.rank(w), south = mask_.rank(so), east = mask_.rank(e);
-    closed_ &= mask_.contains(n) & mask_.contains(w) & mask_.contains(so) & mask_.contains(e);
+    closed_ &= all(mask_.contains(n), mask_.contains(w), mask_.contains(so), mask_.contains(e));
     keep({self, north, west}, !mask_.contains({p.col - h, p.row - h}));
     keep({self, west, south}, !mask_.contains({p.col - h, p.row + h}));
     keep({self, south, east}, !mask_.contains({p.col + h, p.row + h}));
@@ -119,10 +123,11 @@ class Emitter {
 
   /// Four corners, between which side midpoints may be.
   TALUS_INLINE void centre(GridPoint p, std::uint32_t self, std::int32_t s) {
-    const GridPoint nw{p.col - s, p.row - s}, ne{p.col + s, p.row - s}, sw{p.col - s, p.row + s}, se{p.col + s, p.row + s};
+    const GridPoint nw{p.col - s, p.row - s}, ne{p.col + s, p.row - s}, sw{p.col - s, p.row + s},
+        se{p.col + s, p.row + s};
     const std::uint32_t north_west = mask_.rank(nw), north_east = mask_.rank(ne);
     const std::uint32_t south_west = mask_.rank(sw), south_east = mask_.rank(se);
-    closed_ &= mask_.contains(nw) & mask_.contains(ne) & mask_.contains(sw) & mask_.contains(se);
+    closed_ &= all(mask_.contains(nw), mask_.contains(ne), mask_.contains(sw), mask_.contains(se));
     keep({self, north_east, north_west}, !mask_.contains({p.col, p.row - s}));
     keep({self, north_west, south_west}, !mask_.contains({p.col - s, p.row}));
     keep({self, south_west, south_east}, !mask_.contains({p.col, p.row + s}));
@@ -142,7 +147,7 @@ class Emitter {
         if (reaches_out_ && !meets({p, apex, other}, region_)) continue;
         if (!finest && mask_.contains(midpoint(apex, other))) continue;
         const std::uint32_t left = mask_.rank(apex), right = mask_.rank(other);
-        closed_ &= mask_.contains(apex) & mask_.contains(other);
+        closed_ &= all(mask_.contains(apex), mask_.contains(other));
         const bool ccw = is_counter_clockwise({p, apex, other});
         keep(ccw ? Corners{self, left, right} : Corners{self, right, left}, true);
       }
@@ -159,7 +164,9 @@ class Emitter {
   bool closed_ = true;   ///< so far
 };
 
-TALUS_POPCNT Corners* emit_popcnt(Emitter& emitter, std::int32_t first, std::int32_t last) { return emitter.run(first, last); }
+TALUS_POPCNT Corners* emit_popcnt(Emitter& emitter, std::int32_t first, std::int32_t last) {
+  return emitter.run(first, last);
+}
 Corners* emit_plain(Emitter& emitter, std::int32_t first, std::int32_t last) { return emitter.run(first, last); }
 
 /// Rows, so that about as many vertices stand in each part.
@@ -182,7 +189,8 @@ std::vector<Part> parts_of(const VertexMask& mask, int count) {
       (before(middle + 1) >= wanted ? high : low) = before(middle + 1) >= wanted ? middle : middle + 1;
     }
     if (i == count) low = region.last.row;
-    parts.push_back({static_cast<std::int32_t>(first), static_cast<std::int32_t>(low), before(low + 1) - before(first)});
+    parts.push_back(
+        {static_cast<std::int32_t>(first), static_cast<std::int32_t>(low), before(low + 1) - before(first)});
     first = low + 1;
   }
   return parts;
@@ -214,14 +222,15 @@ void drop_unused(Mesh& mesh) {
 Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
   constexpr std::size_t kWorthAThread = 1 << 16;  // vertices
   const std::size_t count = quadtree.vertices.size();
-  threads = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(threads_or_all(threads)), 1 + count / kWorthAThread));
+  threads = static_cast<int>(
+      std::min<std::size_t>(static_cast<std::size_t>(threads_or_all(threads)), 1 + count / kWorthAThread));
   Mesh mesh;
   mesh.region = answered(quadtree);
   if (count == 0) return mesh;
   mesh.points.resize(count);
   mesh.heights.resize(count);
-  // A planar mesh has fewer than two triangles a vertex, a part of it at most four; and there is room to write ahead. The
-  // first part goes where it belongs, the others follow once it is known where they begin.
+  // A planar mesh has fewer than two triangles a vertex, a part of it at most four; and there is room to write ahead.
+  // The first part goes where it belongs, the others follow once it is known where they begin.
   mesh.triangles.resize(2 * count + kMostAround);
   const std::vector<Part> parts = parts_of(quadtree.vertices, threads);
   std::vector<Array<Corners>> written(parts.size());
@@ -231,7 +240,8 @@ Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
     if (i > 0) written[i].resize(4 * part.vertices + kMostAround);
     Array<Corners>& to = i > 0 ? written[i] : mesh.triangles;
     Emitter emitter(quadtree, mesh, to.data(), to.size());
-    const Corners* end = has_popcnt() ? emit_popcnt(emitter, part.first, part.last) : emit_plain(emitter, part.first, part.last);
+    const Corners* end =
+        has_popcnt() ? emit_popcnt(emitter, part.first, part.last) : emit_plain(emitter, part.first, part.last);
     sizes[i] = static_cast<std::size_t>(end - to.data());
     const std::size_t first = quadtree.vertices.rank({quadtree.vertices.region().first.col, part.first});
     std::copy_n(quadtree.heights.begin() + static_cast<std::ptrdiff_t>(first), part.vertices,

@@ -110,8 +110,8 @@ class HalvesOfRows {
     const std::int32_t first = extent_.first.col;
     const auto settle = [&](std::ptrdiff_t i, unsigned west, unsigned east) {
       const unsigned v = here[i], n = above[i], s = below[i];
-      const unsigned level_side = held(v & n & west, v & n & east) | held(v & s & west, v & s & east) << 2;
-      const unsigned upright = held(v & west & n, v & west & s) | held(v & east & n, v & east & s) << 2;
+      const auto level_side = static_cast<unsigned>(held(v & n & west, v & n & east) | held(v & s & west, v & s & east) << 2);
+      const auto upright = static_cast<unsigned>(held(v & west & n, v & west & s) | held(v & east & n, v & east & s) << 2);
       to[i] = static_cast<std::uint8_t>((parity == 1 ? level_side : upright) &
                                         only(first + static_cast<std::int32_t>(i), parity));
     };

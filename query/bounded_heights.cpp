@@ -103,7 +103,7 @@ class Splitter {
     const Stopwatch running(finest_.cost.seconds);
     const VertexMask& all = finest_.quadtree.vertices;
     for (const GridPoint p : border_vertices(region_, root_)) insert(p);
-    const auto& [first, last] = region_;
+    const GridPoint first = region_.first, last = region_.last;
     all.for_each([&](GridPoint p) {
       const bool on_side = p.col == first.col || p.col == last.col || p.row == first.row || p.row == last.row;
       if (on_side || spacing(p) >= root_) insert(p);

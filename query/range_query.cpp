@@ -203,7 +203,8 @@ class RangeQuery {
   /// the tolerance, within the coarser one, and not needed.
   template <bool kIsIncrement, class IsNeeded>
   void choose(const Page& page, Worker& worker, IsNeeded&& is_needed) {
-    const auto [first, last] = samples_in(page.grid, region_);
+    const auto samples = samples_in(page.grid, region_);
+    const auto first = samples.first, last = samples.last;
     worker.chosen.resize(page.grid.size() + 1);
     PageSample* next = worker.chosen.data();
     const ErrorCode threshold = above_.code(), threshold_before = kIsIncrement ? above_from_->code() : ErrorCode{0};

@@ -43,7 +43,7 @@ Place grid_place(const GridMapping& m, Position p) {
 }
 
 double Facet::at(Place p) const {
-  const auto& [a, l, r] = corners;
+  const GridPoint a = corners.apex, l = corners.left, r = corners.right;
   const auto along = [&](GridPoint corner) {
     const double cols = corner.col - a.col, rows = corner.row - a.row;
     return ((p.col - a.col) * cols + (p.row - a.row) * rows) / (cols * cols + rows * rows);
