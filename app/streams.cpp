@@ -26,11 +26,11 @@ struct Request {
 /// The mesh is made if a file or a reader wants it.
 Exit report(const RestrictedQuadtree& answer, const Description& description, const Request& request) {
   const Mesh mesh = triangulate(answer);
-  write_outputs(answer, mesh, description, request.outputs);
+  const Metres bound = answer.bound + write_outputs(answer, mesh, description, request.outputs);
   if (request.json) {
     print(Json{{"region", bounds(description, answer.region)},
                {"tolerance", answer.tolerance.value},
-               {"bound", answer.bound.value},
+               {"bound", bound.value},
                {"vertices", answer.vertices.size()},
                {"triangles", mesh.triangles.size()},
                {"output", request.outputs}});
@@ -39,7 +39,7 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
   Table table;
   table.add("region", bounds_text(description, answer.region));
   table.add("tolerance", metres(answer.tolerance.value));
-  table.add("bound", metres(answer.bound.value));
+  table.add("bound", metres(bound.value));
   table.add("quadtree", fmt::format("{} vertices, {} triangles", counted(answer.vertices.size()),
                                     counted(mesh.triangles.size())));
   for (const std::string& output : request.outputs) table.add("output", output);
@@ -75,7 +75,7 @@ Exit run_convert(const Request& request) {
 void add_output(CLI::App* command, Request& request) {
   command
       ->add_option("-o,--output", request.outputs,
-                   "The ending says what: .ply, .obj, .png or .rqt. Repeat it for more than one; an existing\n"
+                   "The ending says what: .ply, .obj, .glb, .tif, .png or .rqt. Repeat it for more than one; an existing\n"
                    "file is replaced")
       ->option_text("OUT ... REQUIRED")
       ->required()
