@@ -1,5 +1,7 @@
 #include "app/outputs.hpp"
 
+#include <algorithm>
+
 #include "app/interrupt.hpp"
 #include "query/export/writers.hpp"
 
@@ -15,16 +17,18 @@ void check_outputs(const std::vector<std::string>& outputs) {
   }
 }
 
-void write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
-                   const std::vector<std::string>& outputs, const StreamOptions& options) {
+Metres write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
+                     const std::vector<std::string>& outputs, const StreamOptions& options) {
+  Metres rounding{0};
   for (const std::string& output : outputs) {
     const HoldInterrupts whole_file_or_none;
     if (is_stream_file(output)) {
       write_stream({description, answer}, output, options);
     } else {
-      write_mesh(mesh, description, output);
+      rounding = std::max(rounding, write_mesh(mesh, description, output));
     }
   }
+  return rounding;
 }
 
 }  // namespace talus::app

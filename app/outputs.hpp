@@ -13,7 +13,8 @@ namespace talus::app {
 void check_outputs(const std::vector<std::string>& outputs);
 
 /// Each whole or not at all: .rqt the answer itself, any other ending its mesh.
-void write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
-                   const std::vector<std::string>& outputs, const StreamOptions& options = {});
+/// returns  how far a file's surface may lie from the answer's, see write_mesh: the largest of them
+Metres write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
+                     const std::vector<std::string>& outputs, const StreamOptions& options = {});
 
 }  // namespace talus::app

@@ -104,7 +104,7 @@ void require_fit_for_streams(const Request& request) {
     throw Failure(
         Cause::invalid_argument,
         fmt::format("--output {}: an .rqt file holds a quadtree, and --border clip cuts its mesh; ask with --border "
-                    "cover, or for a .ply or .obj",
+                    "cover, or for a mesh",
                     output));
   }
   if (request.is_plain() || request.from.empty()) return;
@@ -182,13 +182,16 @@ Exit run(const Request& request) {
     mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.frame(*rectangle)); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  if (!request.outputs.empty())
-    stages.time("write", [&] { write_outputs(answer.quadtree, mesh, description, request.outputs, options); });
+  Metres bound = answer.quadtree.bound;
+  if (!request.outputs.empty()) {
+    stages.time("write",
+                [&] { bound = bound + write_outputs(answer.quadtree, mesh, description, request.outputs, options); });
+  }
 
   if (request.json) {
     Json object{{"region", bounds(description, mesh.region)},
                 {"tolerance", tolerance.value},
-                {"bound", answer.quadtree.bound.value},
+                {"bound", bound.value},
                 {"vertices", mesh.size()},
                 {"triangles", mesh.triangles.size()},
                 {"quantum", answer.quadtree.origin.quantum.value},
@@ -209,7 +212,7 @@ Exit run(const Request& request) {
   table.add("region", bounds_text(description, mesh.region));
   table.add("tolerance", by_raster ? fmt::format("{} or more, by {}", metres(tolerance.value), request.tolerance_raster)
                                    : metres(tolerance.value));
-  table.add("bound", metres(answer.quadtree.bound.value));
+  table.add("bound", metres(bound.value));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
   if (!request.heights.are_exact())
@@ -300,9 +303,9 @@ void add_query(CLI::App& program, Action& action) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
       ->add_option("-o,--output", request->outputs,
-                   "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .png (a\n"
-                   "picture), or .rqt: the quadtree itself, for merge and convert. Repeat it for more\n"
-                   "than one; an existing file is replaced")
+                   "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .glb (glTF, in\n"
+                   "metres), .tif (heights at the samples), .png (a picture), or .rqt: the quadtree itself,\n"
+                   "for merge and convert. Repeat it for more than one; an existing file is replaced")
       ->option_text("OUT ...")
       ->check(is_named)
       ->type_size(1)

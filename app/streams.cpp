@@ -43,11 +43,12 @@ std::size_t read_some(std::span<std::byte> room) {
 /// The mesh is made if a file or a reader wants it.
 Exit report(const RestrictedQuadtree& answer, const Description& description, const Request& request) {
   const Mesh mesh = triangulate(answer, request.threads);
-  write_outputs(answer, mesh, description, request.outputs, stream_options(request.stream, request.threads));
+  const Metres bound = answer.bound + write_outputs(answer, mesh, description, request.outputs,
+                                                    stream_options(request.stream, request.threads));
   if (request.json) {
     print(Json{{"region", bounds(description, answer.region)},
                {"tolerance", answer.tolerance.value},
-               {"bound", answer.bound.value},
+               {"bound", bound.value},
                {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},
                {"output", request.outputs}});
@@ -56,7 +57,7 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
   Table table;
   table.add("region", bounds_text(description, answer.region));
   table.add("tolerance", metres(answer.tolerance.value));
-  table.add("bound", metres(answer.bound.value));
+  table.add("bound", metres(bound.value));
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
   for (const std::string& output : request.outputs) table.add("output", output);
   print(table);
@@ -106,7 +107,7 @@ Exit run_convert(const Request& request) {
 void add_output(CLI::App* command, Request& request) {
   command
       ->add_option("-o,--output", request.outputs,
-                   "The ending says what: .ply, .obj, .png or .rqt. Repeat it for more than one; an existing\n"
+                   "The ending says what: .ply, .obj, .glb, .tif, .png or .rqt. Repeat it for more than one; an existing\n"
                    "file is replaced")
       ->option_text("OUT ... REQUIRED")
       ->required()

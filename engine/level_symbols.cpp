@@ -55,7 +55,7 @@ struct Meanings {
       std::uint64_t first = pair;
       int more = shift;
       if (s >= kFirstLong) {
-        const auto high = static_cast<int>(pair) - kPlainSizes;
+        const auto high = std::min(static_cast<int>(pair) - kPlainSizes, 63);  // the last symbols no writer makes
         first = (kPlainSizes - 1) + (std::uint64_t{1} << high);
         more += high;
       }

@@ -10,6 +10,11 @@ class Ground {
   /// No CRS, or one that is not understood: coordinates are metres.
   explicit Ground(const std::string& crs_wkt);
 
+  /// Coordinates are longitude and latitude.
+  [[nodiscard]] bool is_geographic() const { return degrees_per_unit_ != 0; }
+  /// Metres a unit of the CRS, where it is not geographic.
+  [[nodiscard]] double metres_per_unit() const { return metres_per_unit_; }
+
   /// Of the straight line between two positions. In degrees: see length_in_degrees, over the CRS's ellipsoid.
   [[nodiscard]] double metres(Position from, Position to) const;
 

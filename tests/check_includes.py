@@ -32,7 +32,7 @@ THEIRS = [
     ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream_bytes)\.cpp$", "storage/*.cpp and engine/stream_bytes.cpp"),
     ("GeographicLib", r"GeographicLib/", r"engine/geodesy\.", "engine/geodesy"),
     ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
-    ("JSON", r"nlohmann/", r"(engine|app)/", "engine/ and app/"),
+    ("JSON", r"nlohmann/", r"(engine|app|query/export)/", "engine/, app/ and query/export/"),
     ("CLI11", r"CLI/", r"app/", "app/"),
     ("fmt", r"fmt/", r"(engine|storage|query|ingest|app)/", "our sources, not the public headers"),
 ]

@@ -35,6 +35,10 @@ class OutputFile {
     write(bytes.data(), sizeof(T));
   }
 
+  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
+  /// The file beside the target, for a library that writes it by name; nothing is to be written here then.
+  [[nodiscard]] const std::filesystem::path& beside() const { return beside_; }
+
   /// On the disk and under its name when this returns.
   void commit();
 

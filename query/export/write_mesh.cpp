@@ -17,9 +17,21 @@ namespace {
 
 struct Format {
   std::string_view ending;
-  void (*write)(const Mesh&, const Description&, OutputFile&);
+  Metres (*write)(const Mesh&, const Description&, OutputFile&);
 };
-constexpr std::array<Format, 3> kFormats{{{".ply", write_ply}, {".obj", write_obj}, {".png", write_png}}};
+
+/// Of a format that rounds nothing.
+template <void (*Write)(const Mesh&, const Description&, OutputFile&)>
+Metres exactly(const Mesh& mesh, const Description& description, OutputFile& out) {
+  Write(mesh, description, out);
+  return Metres{0};
+}
+
+constexpr std::array<Format, 5> kFormats{{{".ply", exactly<write_ply>},
+                                          {".obj", exactly<write_obj>},
+                                          {".glb", write_glb},
+                                          {".tif", exactly<write_tif>},
+                                          {".png", exactly<write_png>}}};
 
 const Format& format_of(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
@@ -29,7 +41,7 @@ const Format& format_of(const std::filesystem::path& file) {
     if (format.ending == ending) return format;
   }
   throw Failure(Cause::invalid_argument,
-                fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .png or .rqt", file.string()));
+                fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .glb, .tif, .png or .rqt", file.string()));
 }
 
 // A mesh may come from anywhere; the writers index by it.
@@ -68,12 +80,13 @@ void check_folder(const std::filesystem::path& file) {
   }
 }
 
-void write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
+Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
   const Format& format = format_of(file);
   check_mesh(mesh, file);
   OutputFile out{file};
-  format.write(mesh, description, out);
+  const Metres rounding = format.write(mesh, description, out);
   out.commit();
+  return rounding;
 }
 
 }  // namespace talus

@@ -25,4 +25,26 @@ void write_obj(const Mesh& mesh, const Description& description, OutputFile& out
 /// grey. Triangles of few pixels fade into the relief.
 void write_png(const Mesh& mesh, const Description& description, OutputFile& out);
 
+/// glTF 2.0 in one binary file: one node, one mesh, float positions, uint32 indices; y up, x east, z south, metres.
+///
+/// Positions count from the grid point amid the region, in cells across and down: whole numbers, which floats hold
+/// exactly. Up they are the source's own floats, or height steps from the middle height, where these restore every
+/// height; else the nearest float to the distance from the middle height. The node's scale makes metres of them, its
+/// translation the place: of a projected CRS its coordinates in metres (x, height, -y), so that double arithmetic gives
+/// every position back; of a geographic one the middle, cells having the size they have on the ground there. asset.extras
+/// holds the CRS, the origin in it and what restores coordinates in it.
+///
+/// returns  how far the file's surface may lie from the mesh's, in metres: 0 for heights that floats hold, at most 2⁻²⁵
+///          of the range of others. Where a frame cut (clip_mesh) corners move sideways, by 2⁻²⁴ of the region's half
+///          side at most, and slope turns that into height
+/// fails    unsupported: more than 4 GiB, heights beyond floats, more than 2²⁴ cells from the middle
+Metres write_glb(const Mesh& mesh, const Description& description, OutputFile& out);
+
+/// GeoTIFF: the surface at the samples of the mesh's region, in the vertical unit; NaN, which is its nodata, where no
+/// triangle is. Float32 where that holds every one of these heights exactly, else Float64; tiled, DEFLATE.
+///
+/// fails  full, io: GDAL's own sentence; unsupported: a GDAL that writes none
+/// cost   the triangles are laid over the samples twice; memory 4 bytes a triangle and a strip of samples
+void write_tif(const Mesh& mesh, const Description& description, OutputFile& out);
+
 }  // namespace talus
