@@ -57,7 +57,7 @@ struct TriangleStrip {
 /// The strip of an answer: the triangles of triangulate(), each once, along a Sierpinski curve around the grid's origin.
 ///
 /// quadtree  closed under parents, as answers are. Of any other set: the triangles that bisection finds from the root
-/// fails     corrupt: as many heights or covers as do not fit the vertices; the grid's origin is in the window and no vertex
+/// fails     corrupt: as many heights or covers as do not fit the vertices
 /// cost      linear in triangles; those that only bisection meets on its way are fewer, and along the border few more
 /// source    [P98 §7]: there squares of a quadtree, here triangles; the same path
 [[nodiscard]] TriangleStrip strip_of(const RestrictedQuadtree& quadtree);
