@@ -43,6 +43,7 @@ class Walker {
     const std::size_t room = 2 * mask_.size();  // a planar mesh has fewer triangles
     points_.resize(room);
     steps_.resize(room);
+    if (!covers_.empty()) find_partial();
   }
 
   /// Four squares around the origin are the root here, as small as they may be: that of the database may be larger, but no
@@ -113,6 +114,15 @@ class Walker {
     }
   }
 
+  /// A rank costs more than a bit, and few vertices stand beside voids.
+  void find_partial() {
+    partial_ = VertexMask(window_);
+    std::size_t v = 0;
+    mask_.for_each([&](GridPoint p) {
+      if (covers_[v++] != 15) partial_.insert(p);
+    });
+  }
+
   /// A root corner in the window need not be there where the database's root is larger, and nothing that depends on it then.
   [[nodiscard]] bool may_stand(GridPoint corner) const { return !window_.contains(corner) || mask_.contains(corner); }
 
@@ -136,7 +146,7 @@ class Walker {
           if (!window_.contains(p) || !mask_.contains(p)) return false;
         }
       }
-      if (covers_.empty()) return true;
+      if (covers_.empty() || !partial_.contains(apex)) return true;
       const Diamond d = diamond(apex);
       const unsigned bits = covers_[mask_.rank(apex)];
       const unsigned side = from == d.apexes[0] || to == d.apexes[0] ? 0 : 1;
@@ -157,6 +167,7 @@ class Walker {
   const VertexMask& mask_;
   GridRect window_, region_;
   std::span<const std::uint8_t> covers_;
+  VertexMask partial_;  ///< with triangles that hold no data
   GridPoint left_{}, right_{};  ///< the edge by which the last triangle was left; at first none
   std::size_t count_ = 0;
   Array<GridPoint> points_;  ///< ahead, by triangle

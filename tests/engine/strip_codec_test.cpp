@@ -125,9 +125,14 @@ Cause cause_of(std::span<const std::byte> bytes) {
   return Cause{};
 }
 
+/// Small, but of several sub-strips, runs and patches.
 std::vector<std::byte> small_strip() {
-  Random random(2);
-  return encode_strip(strip_of(random_answer(random, {{-9, -5}, {20, 13}}, 40)));
+  for (std::uint64_t seed = 1;; ++seed) {
+    Random random(seed);
+    auto bytes = encode_strip(strip_of(random_answer(random, {{-9, 500}, {20, 518}}, 40)));
+    const StripSizes sizes = strip_sizes(bytes);
+    if (sizes.triangles > 64 && sizes.triangles < 256 && sizes.runs > 2 && sizes.patches > 2) return bytes;
+  }
 }
 
 TEST(StripCodec, EveryTruncationIsCorrupt) {
