@@ -1,8 +1,8 @@
 // What does an answer take as one strip, and what as the bits of Dick et al., and how fast are they made and read?
 //
 // Data: whole real models at 1, 5 and 20 m, where these are (TALUS_DEM_DIR). Rows: model, tolerance in metres, threads.
-// `indices` are indices a triangle, without swaps; `alternating` is what hardware without swaps takes. Swaps and jumps are
-// counted, and given a triangle. BM_Triangulate is the yardstick: the same answer as an indexed mesh.
+// `indices` are indices a triangle, without swaps; `alternating` is what hardware without swaps takes. Swaps and jumps
+// are counted, and given a triangle. BM_Triangulate is the yardstick: the same answer as an indexed mesh.
 
 #include <map>
 #include <string>

@@ -1,15 +1,15 @@
 // The strip of a restricted quadtree, by bisection from the root.
 //
-// A right triangle that the path crosses from one edge to another is split into two that it crosses one after the other, and
-// which way follows from the edges alone: this is a system of six productions over types and turns. With L for left and R for
-// right,
+// A right triangle that the path crosses from one edge to another is split into two that it crosses one after the
+// other, and which way follows from the edges alone: this is a system of six productions over types and turns. With L
+// for left and R for right,
 //
 //   AL -> CL BL    BL -> CR AL    CL -> AL BR
 //   AR -> CR BR    BR -> CL AR    CR -> AR BL
 //
-// Eight root triangles stand around the origin, and a path around it counter-clockwise crosses them BL CL BL CL …. Leaves of
-// a conforming mesh that follow each other share an edge, so a run breaks only where a triangle is no part of the answer; we
-// find this by comparing edges and need no account of what was left out.
+// Eight root triangles stand around the origin, and a path around it counter-clockwise crosses them BL CL BL CL ….
+// Leaves of a conforming mesh that follow each other share an edge, so a run breaks only where a triangle is no part of
+// the answer; we find this by comparing edges and need no account of what was left out.
 //
 // Inside the region and away from voids a triangle is looked at for the vertex in its middle alone. [P98 §7] [D09 §4.1]
 
@@ -25,7 +25,6 @@ namespace talus {
 namespace {
 
 using enum StripType;
-
 
 /// What has to be asked of a triangle and those inside it.
 enum class Asks {
@@ -46,8 +45,8 @@ class Walker {
     if (!covers_.empty()) find_partial();
   }
 
-  /// Four squares around the origin are the root here, as small as they may be: that of the database may be larger, but no
-  /// triangle of the answer is. A square that the window fills is then one run.
+  /// Four squares around the origin are the root here, as small as they may be: that of the database may be larger, but
+  /// no triangle of the answer is. A square that the window fills is then one run.
   void run() {
     std::int32_t s = 1;
     const auto least = [&](std::int32_t v) {
@@ -123,7 +122,8 @@ class Walker {
     });
   }
 
-  /// A root corner in the window need not be there where the database's root is larger, and nothing that depends on it then.
+  /// A root corner in the window need not be there where the database's root is larger, and nothing that depends on it
+  /// then.
   [[nodiscard]] bool may_stand(GridPoint corner) const { return !window_.contains(corner) || mask_.contains(corner); }
 
   /// A triangle beyond the window is split until it is no longer: the mask does not say whether it is.
@@ -157,7 +157,8 @@ class Walker {
 
   template <StripType type, bool turns_right>
   void emit(GridPoint left, GridPoint right, GridPoint ahead) {
-    if (!(left == left_ && right == right_)) [[unlikely]] runs_.push_back({count_, left, right});
+    if (!(left == left_ && right == right_)) [[unlikely]]
+      runs_.push_back({count_, left, right});
     points_[count_] = ahead;
     steps_[count_++] = StripStep(type, turns_right);
     left_ = turns_right ? ahead : left;
@@ -167,7 +168,7 @@ class Walker {
   const VertexMask& mask_;
   GridRect window_, region_;
   std::span<const std::uint8_t> covers_;
-  VertexMask partial_;  ///< with triangles that hold no data
+  VertexMask partial_;          ///< with triangles that hold no data
   GridPoint left_{}, right_{};  ///< the edge by which the last triangle was left; at first none
   std::size_t count_ = 0;
   Array<GridPoint> points_;  ///< ahead, by triangle
@@ -230,7 +231,8 @@ TriangleStrip strip_of(const RestrictedQuadtree& quadtree) {
     std::vector<std::uint32_t> ranks(used.size());
     mask.ranks(strip.points, ranks);
     strip.heights.resize(ranks.size());
-    std::transform(ranks.begin(), ranks.end(), strip.heights.begin(), [&](std::uint32_t r) { return quadtree.heights[r]; });
+    std::transform(ranks.begin(), ranks.end(), strip.heights.begin(),
+                   [&](std::uint32_t r) { return quadtree.heights[r]; });
   }
   strip.steps = std::move(walker.steps());
   strip.swaps = count_swaps(strip);
@@ -244,7 +246,8 @@ Mesh mesh_of(const TriangleStrip& strip) {
   mesh.heights = strip.heights;
   mesh.triangles.resize(strip.triangles());
   for (std::size_t r = 0; r < strip.runs.size(); ++r) {
-    const std::size_t end = r + 1 < strip.runs.size() ? static_cast<std::size_t>(strip.runs[r + 1].first) : strip.triangles();
+    const std::size_t end =
+        r + 1 < strip.runs.size() ? static_cast<std::size_t>(strip.runs[r + 1].first) : strip.triangles();
     std::uint32_t left = strip.runs[r].left, right = strip.runs[r].right;
     for (auto t = static_cast<std::size_t>(strip.runs[r].first); t < end; ++t) {
       const std::uint32_t ahead = strip.corners[t];
@@ -259,10 +262,11 @@ Array<std::uint32_t> alternating_indices(const TriangleStrip& strip) {
   Array<std::uint32_t> out;
   out.reserve(strip.indices() + strip.swaps + 3 * strip.runs.size());
   for (std::size_t r = 0; r < strip.runs.size(); ++r) {
-    const std::size_t end = r + 1 < strip.runs.size() ? static_cast<std::size_t>(strip.runs[r + 1].first) : strip.triangles();
+    const std::size_t end =
+        r + 1 < strip.runs.size() ? static_cast<std::size_t>(strip.runs[r + 1].first) : strip.triangles();
     std::uint32_t left = strip.runs[r].left, right = strip.runs[r].right;
-    // An even triangle takes the last two vertices as left and right, an odd one as right and left. Where the list stands
-    // after two or four more vertices it is as odd as now.
+    // An even triangle takes the last two vertices as left and right, an odd one as right and left. Where the list
+    // stands after two or four more vertices it is as odd as now.
     const bool odd = out.size() % 2 != 0;
     const std::uint32_t first = odd ? right : left, second = odd ? left : right;
     if (!out.empty()) {

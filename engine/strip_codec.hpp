@@ -10,12 +10,12 @@
 
 namespace talus {
 
-inline constexpr std::uint64_t kSubStrip = 16;       ///< triangles, fewer at the end of a run
-inline constexpr std::int32_t kPatchSide = 512;      ///< cells: as far as nine bits tell columns and rows apart
+inline constexpr std::uint64_t kSubStrip = 16;   ///< triangles, fewer at the end of a run
+inline constexpr std::int32_t kPatchSide = 512;  ///< cells: as far as nine bits tell columns and rows apart
 inline constexpr int kMostHeightBits = 32;
 
-/// Which way a triangle turns that follows another one: in every strip that bisection makes, a type follows with one turn only.
-/// A turn is carried on by type A, and turned over by the others once on the hypotenuse: the follow sets are
+/// Which way a triangle turns that follows another one: in every strip that bisection makes, a type follows with one
+/// turn only. A turn is carried on by type A, and turned over by the others once on the hypotenuse: the follow sets are
 /// {AL BR CL} behind AL, BL and CR, and {AR BL CR} behind the other three.
 ///
 /// source  [D09 §4.1 and appendix, table 1], as one exclusive or
@@ -41,8 +41,8 @@ inline constexpr int kMostHeightBits = 32;
   return GridPoint{static_cast<std::int32_t>(col), static_cast<std::int32_t>(row)};
 }
 
-/// Where a sub-strip begins. Its edge is an axis or a diagonal, 2^log cells along both or one of them; one end of it is the
-/// newest entry before its first triangle, the other one two to nine entries back.
+/// Where a sub-strip begins. Its edge is an axis or a diagonal, 2^log cells along both or one of them; one end of it is
+/// the newest entry before its first triangle, the other one two to nine entries back.
 ///
 /// source  [D09 §4.2, fig. 6]: one bit more for the length, for answers larger than a tile, and one for jumps
 struct SubStripHeader {
@@ -56,8 +56,8 @@ struct SubStripHeader {
 
   [[nodiscard]] constexpr std::uint32_t pack() const {
     return col | row << 9 | static_cast<std::uint32_t>(log) << 18 | static_cast<std::uint32_t>(direction) << 23 |
-           static_cast<std::uint32_t>(offset - 2) << 26 | (older_is_right ? 1u << 29 : 0u) | (turns_right ? 1u << 30 : 0u) |
-           (begins_run ? 1u << 31 : 0u);
+           static_cast<std::uint32_t>(offset - 2) << 26 | (older_is_right ? 1u << 29 : 0u) |
+           (turns_right ? 1u << 30 : 0u) | (begins_run ? 1u << 31 : 0u);
   }
   [[nodiscard]] static constexpr SubStripHeader unpack(std::uint32_t bits) {
     return {bits & 511,

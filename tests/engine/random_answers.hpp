@@ -29,13 +29,14 @@ inline std::multiset<Turned> turned_triangles(const Mesh& mesh) {
 inline double random_height(GridPoint p) { return (p.row * 37 + p.col * 11) % 1000; }
 
 inline GridRect random_rect(Random& random, std::int32_t side = 100) {
-  const GridPoint first = random.chance(0.3) ? GridPoint{0, 0}
-                                             : GridPoint{random.between(-side - 20, side / 2), random.between(-side - 20, side / 2)};
+  const GridPoint first = random.chance(0.3)
+                              ? GridPoint{0, 0}
+                              : GridPoint{random.between(-side - 20, side / 2), random.between(-side - 20, side / 2)};
   return {first, {first.col + random.between(1, side), first.row + random.between(1, side)}};
 }
 
-/// Vertices of all levels over a rectangle whose border is constrained. Now and then with triangles that hold no data, or
-/// with a region inside the rectangle, whose border triangles cross.
+/// Vertices of all levels over a rectangle whose border is constrained. Now and then with triangles that hold no data,
+/// or with a region inside the rectangle, whose border triangles cross.
 inline RestrictedQuadtree random_answer(Random& random, GridRect window, int points) {
   ClosedSet set(2 * root_side(window));
   for (const GridPoint p : border_vertices(window, set.root())) set.insert(p);
@@ -68,7 +69,8 @@ inline RestrictedQuadtree random_answer(Random& random, GridRect window, int poi
   }
   if (random.chance(0.3)) {
     const GridPoint x = random_point(random, window), y = random_point(random, window);
-    answer.region = {{std::min(x.col, y.col), std::min(x.row, y.row)}, {std::max(x.col, y.col), std::max(x.row, y.row)}};
+    answer.region = {{std::min(x.col, y.col), std::min(x.row, y.row)},
+                     {std::max(x.col, y.col), std::max(x.row, y.row)}};
   }
   return answer;
 }

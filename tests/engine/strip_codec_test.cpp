@@ -56,7 +56,8 @@ TEST(StripCodec, HeightsMoveByHalfAStepAtMost) {
   const auto exact = heights_of(mesh_of(strip));
   for (const double step : {0.001, 0.5, 7.0, 5000.0}) {
     const auto bytes = encode_strip(strip, {step});
-    for (const auto& [p, h] : heights_of(decode_strip(bytes))) EXPECT_LE(std::abs(h - exact.at(p)), step / 2 * (1 + 1e-9));
+    for (const auto& [p, h] : heights_of(decode_strip(bytes)))
+      EXPECT_LE(std::abs(h - exact.at(p)), step / 2 * (1 + 1e-9));
     EXPECT_LE(strip_sizes(bytes).height_bits, std::max(0.0, std::ceil(std::log2(3000 / step + 1))));
   }
 }

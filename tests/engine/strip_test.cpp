@@ -13,8 +13,8 @@
 namespace talus::support {
 namespace {
 
-/// The triangles of one run after the other: the edge to go on from is the one between the newest corner and the end that the
-/// path turns to.
+/// The triangles of one run after the other: the edge to go on from is the one between the newest corner and the end
+/// that the path turns to.
 std::multiset<Turned> walked(const TriangleStrip& strip) {
   std::multiset<Turned> found;
   std::size_t run = 0;

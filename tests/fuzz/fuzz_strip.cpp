@@ -1,4 +1,5 @@
-// Arbitrary bytes as a coded strip, and the same with checksums that fit: refused, or triangles whose corners are there.
+// Arbitrary bytes as a coded strip, and the same with checksums that fit: refused, or triangles whose corners are
+// there.
 
 #include <cstdint>
 #include <cstdlib>
