@@ -4,11 +4,8 @@
 #include <cmath>
 
 namespace talus {
-namespace {
 
-/// Largest distance, in codes, of the valid samples of the closed triangle.
-double largest_distance(const HeightField& field, const HalfDiamond& t) {
-  const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
+double largest_distance(const HeightField& field, const HalfDiamond& t, const Plane<double>& plane) {
   return std::visit(
       [&](auto heights) {
         double largest = 0;
@@ -27,8 +24,6 @@ double largest_distance(const HeightField& field, const HalfDiamond& t) {
       field.heights);
 }
 
-}  // namespace
-
 double reference_half_error(const ErrorInput& input, GridPoint vertex, int side, Holds holds) {
   const HeightField& field = input.field;
   const HalfDiamond t = half_diamond(vertex, side);
@@ -39,7 +34,8 @@ double reference_half_error(const ErrorInput& input, GridPoint vertex, int side,
       metres = finest_error(field[vertex], field[t.a], field[t.b], field.distance);
     }
   } else {
-    metres = field.distance.metres(largest_distance(field, t)) + input.margin(vertex, side);
+    const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
+    metres = field.distance.metres(largest_distance(field, t, plane)) + input.margin(vertex, side);
   }
   return holds == kMixed ? std::max(metres, detail::mixed_error(input, t)) : metres;
 }

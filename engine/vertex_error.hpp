@@ -38,6 +38,9 @@ struct ErrorInput {
 [[nodiscard]] double reference_half_error(const ErrorInput& input, GridPoint vertex, int side, Holds holds);
 [[nodiscard]] double reference_half_error(const ErrorInput& input, GridPoint vertex, int side);
 
+/// Largest distance, in codes, of the valid samples of a closed triangle from a plane.
+[[nodiscard]] double largest_distance(const HeightField& field, const HalfDiamond& t, const Plane<double>& plane);
+
 /// (a+b)/2 == m in exact arithmetic: by the error-free sum of two doubles.
 [[nodiscard]] bool halves_exactly(double a, double b, double m);
 

@@ -16,7 +16,7 @@ FOLDERS = ["include", "engine", "storage", "query", "ingest", "app"]
 # the words (units, failure, description, quadtree) but not the verbs; query and ingest do not know each other.
 OURS = {
     "include/talus": r"talus/",
-    "engine": r"engine/|talus/(units|failure|array|description|quadtree|increment|progression|stream|strip)\.hpp",
+    "engine": r"engine/|talus/(units|failure|array|description|quadtree|increment|progression|stream|strip|bitree)\.hpp",
     "storage": r"storage/|talus/(units|failure)\.hpp",
     "query": r"(query|engine|storage)/|talus/(?!ingest\.hpp|talus\.hpp)",
     "query/bindings": r"(query|ingest)/|talus/",
