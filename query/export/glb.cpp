@@ -81,7 +81,7 @@ class Model {
         box.high[axis] = std::max(box.high[axis], p[axis]);
       }
     }
-    for (const std::size_t axis : {0, 2}) {
+    for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
       if (mesh_.size() > 0 && (box.low[axis] < -kWhole || box.high[axis] > kWhole)) {
         throw Failure(Cause::unsupported, "a GLB file counts at most 16777216 cells from its middle; ask for a smaller rectangle");
       }
