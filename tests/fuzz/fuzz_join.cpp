@@ -38,7 +38,7 @@ bool holds_or_refuses(Step&& step) {
 const StreamLimits kLimits{std::uint64_t{1} << 20, std::uint64_t{1} << 20};
 
 /// Everything of both, nothing else, and in numbers that fit.
-void look_at_joined(const RestrictedQuadtree& base, const Increment& increment) {
+void look_at_joined(const Description& description, const RestrictedQuadtree& base, const Increment& increment) {
   RestrictedQuadtree joined;
   if (!holds_or_refuses([&] { joined = merge(base, increment); })) return;
   require(joined.heights.size() == joined.vertices.size());
@@ -50,7 +50,7 @@ void look_at_joined(const RestrictedQuadtree& base, const Increment& increment) 
   require(joined.vertices.size() >= both);
   holds_or_refuses([&] { static_cast<void>(triangulate(joined, 1)); });
   holds_or_refuses([&] {
-    const auto bytes = encode(Stream{{}, joined});
+    const auto bytes = encode(Stream{description, joined});
     require(encode(decode_stream(bytes)) == bytes);
   });
 }
@@ -73,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!holds_or_refuses([&] { increment = decode_stream(second, kLimits, base); })) return 0;
   const auto* delta = std::get_if<Increment>(&increment.content);
   if (delta == nullptr) return 0;
-  look_at_joined(*base, *delta);
+  look_at_joined(answer.description, *base, *delta);
 
   RestrictedQuadtree other = *base;
   other.vertices = VertexMask(base->vertices.region());
@@ -83,6 +83,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   other.vertices.seal();
   other.heights.resize(other.vertices.size());
   if (!other.covers.empty()) other.covers.resize(other.vertices.size());
-  look_at_joined(other, *delta);
+  look_at_joined(answer.description, other, *delta);
   return 0;
 }
