@@ -42,8 +42,9 @@ void add_height_words(CLI::App* command, HeightWords& words) {
   command
       ->add_option("--heights", words.heights,
                    "exact: the source's own; bounded: multiples of a quantum, within the tolerance all the same,\n"
-                   "which make .rqt files smaller")
-      ->option_text("exact|bounded [exact]");
+                   "which make .rqt files smaller; dense: nearly every sample, rounded as far as the tolerance\n"
+                   "allows, smaller still where a mesh would need most of them")
+      ->option_text("exact|bounded|dense [exact]");
   command
       ->add_option("--quantum", words.quantum,
                    "Of bounded heights, so that increments of the same quantum can go on from the answer; without\n"
@@ -52,10 +53,12 @@ void add_height_words(CLI::App* command, HeightWords& words) {
 }
 
 Metres HeightWords::step() const {
-  if (heights != "exact" && heights != "bounded")
-    throw Failure(Cause::invalid_argument, fmt::format("--heights takes exact or bounded; \"{}\" is neither", heights));
+  if (heights != "exact" && heights != "bounded" && heights != "dense") {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--heights takes exact, bounded or dense; \"{}\" is none of them", heights));
+  }
   if (quantum.empty()) return Metres{0};
-  if (are_exact()) throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded");
+  if (heights != "bounded") throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded");
   const Metres step = parse_tolerance(quantum, "--quantum");
   if (!(step.value > 0) || !std::isfinite(step.value))
     throw Failure(Cause::invalid_argument, fmt::format("--quantum takes metres above 0; \"{}\" is not that", quantum));

@@ -284,6 +284,12 @@ Metres quantum_for(const Description& d, Metres tolerance) {
   return Metres{steps * step_metres(d)};
 }
 
+Metres dense_quantum(const Description& d, Metres tolerance) {
+  const double left = std::max(0.0, tolerance.value - std::max(d.lossy_metres, d.finest_tolerance));
+  if (!d.step.integer || d.step.offset != 0) return Metres{2 * left};
+  return Metres{(2 * std::floor(left / step_metres(d)) + 1) * step_metres(d)};
+}
+
 Answer quantised_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
   const Description& d = now.description();
   require_quantum(d, tolerance, quantum);
@@ -302,6 +308,13 @@ Increment quantised_increment(const Snapshot& now, GridRect region, Metres from,
   increment.added.tolerance = to;
   round_heights(increment.added, d, quantum);
   return increment;
+}
+
+Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance) {
+  if (tolerance.value == 0 || !std::isfinite(tolerance.value))
+    refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", tolerance.value));
+  const Metres quantum = dense_quantum(now.description(), tolerance);
+  return quantum.value > 0 ? quantised_answer(now, region, tolerance, quantum) : now.range(region, tolerance);
 }
 
 Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {

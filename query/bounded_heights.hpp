@@ -13,8 +13,16 @@ namespace talus {
 /// height steps.
 [[nodiscard]] Metres quantum_for(const Description& description, Metres tolerance);
 
+/// The largest quantum that rounds heights by no more than a tolerance, less what the database has lost already: an odd number
+/// of height steps, or twice the tolerance where heights have none; 0: nothing is left to
+/// round by.
+[[nodiscard]] Metres dense_quantum(const Description& description, Metres tolerance);
+
 /// See Snapshot::bounded.
 [[nodiscard]] Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);
+
+/// See Snapshot::dense.
+[[nodiscard]] Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance);
 
 /// See Snapshot::quantised.
 [[nodiscard]] Answer quantised_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);

@@ -136,6 +136,11 @@ Answer Snapshot::bounded(GridRect region, Metres tolerance, Metres quantum) cons
   return bounded_answer(*this, region, tolerance, quantum);
 }
 
+Answer Snapshot::dense(GridRect region, Metres tolerance) const {
+  require_tolerance(tolerance);
+  return dense_answer(*this, region, tolerance);
+}
+
 Answer Snapshot::quantised(GridRect region, Metres tolerance, Metres quantum) const {
   require_tolerance(tolerance);
   return quantised_answer(*this, region, tolerance, quantum);

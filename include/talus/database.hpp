@@ -124,6 +124,14 @@ class Snapshot {
   /// cost     memory: 9 bytes a sample of the region. Time: a few times that of range
   [[nodiscard]] Answer bounded(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
 
+  /// The whole tolerance spent on rounding: of the samples only those are left out that lie exactly between others. More
+  /// vertices than any other answer, and where a mesh would need most samples anyway, that is up to some ten height steps on
+  /// rough ground, the fewest bytes.
+  ///
+  /// fails  as range; invalid_argument: a tolerance of 0 or infinity
+  /// cost   that of range at tolerance 0
+  [[nodiscard]] Answer dense(GridRect region, Metres tolerance) const;
+
   /// range at the tolerance less what rounding to a quantum costs, rounded: more vertices, but nested, so that increments of
   /// the same quantum go on from it.
   /// fails  as range; invalid_argument: a quantum of 0, or one that lies farther from heights than the tolerance

@@ -106,6 +106,10 @@ TEST_F(StreamCommands, RoundHeightsWithinTheTolerance) {
   EXPECT_GT(bounded["quantum"], 0);
   EXPECT_LE(bounded["bound"].get<double>(), 6.00000001);
   EXPECT_LT(bytes_of(folder / "bounded.rqt").size(), bytes_of(folder / "exact.rqt").size());
+  const auto dense = json_of(must({"query", "a.talus", "--tolerance", "6", "--heights", "dense", "-o", "dense.rqt", "--json"}));
+  EXPECT_GT(dense["quantum"].get<double>(), 6);
+  EXPECT_LE(dense["bound"].get<double>(), 6.00000001);
+  EXPECT_GT(dense["vertices"].get<int>(), bounded["vertices"].get<int>());
   must({"query", "a.talus", "--tolerance", "20", "--heights", "bounded", "--quantum", "2", "-o", "base.rqt"});
   must({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o", "more.rqt"});
   must({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o", "whole.rqt"});
@@ -121,6 +125,9 @@ TEST_F(StreamCommands, RoundHeightsWithinTheTolerance) {
   expect_refusal(talus({"query", "a.talus", "--tolerance", "1", "--heights", "bounded", "--quantum", "40"}), {usage}, {"40 m", "1 m"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "0", "--heights", "bounded"}), {usage}, {"0 m"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--border", "cover"}), {usage}, {"--border"});
+  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "dense"}), {usage}, {"dense"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "dense", "--quantum", "2"}), {usage}, {"--quantum"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "rough"}), {usage}, {"rough", "dense"});
   expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded"}), {usage}, {"--quantum"});
 }
 

@@ -24,7 +24,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-enum class Heights { exact, bounded, quantised };
+enum class Heights { exact, bounded, quantised, dense };
 
 struct Case {
   const Snapshot& now;
@@ -47,6 +47,7 @@ void expect_within(const Case& c, const RestrictedQuadtree& q, double bound, boo
 Answer asked(const Snapshot& now, GridRect region, Metres tolerance, Heights heights, Metres quantum) {
   return heights == Heights::exact       ? now.range(region, tolerance)
          : heights == Heights::quantised ? now.quantised(region, tolerance, quantum)
+         : heights == Heights::dense     ? now.dense(region, tolerance)
                                          : now.bounded(region, tolerance);
 }
 
@@ -95,7 +96,7 @@ TEST_P(StreamPromise, HoldsOnTheOtherSideOfTheWire) {
     const Metres tolerance{random.log_between(0.05, 100)};
     const Case c{now, raster.terrain, raster.judging, tolerance.value};
     const Metres quantum{tolerance.value * random.log_between(0.1, 1)};
-    for (const Heights heights : {Heights::exact, Heights::bounded, Heights::quantised}) {
+    for (const Heights heights : {Heights::exact, Heights::bounded, Heights::quantised, Heights::dense}) {
       SCOPED_TRACE("heights " + std::to_string(static_cast<int>(heights)));
       const RestrictedQuadtree answer = asked(now, region, tolerance, heights, quantum).quadtree;
       EXPECT_LE(answer.bound.value, tolerance.value + 1e-8);
@@ -180,6 +181,8 @@ TEST(BoundedHeights, RefuseWhatTheyCannotKeep) {
   const GridRect all = now.description().extent;
   EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{0})), Failure);
   EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{kInfinity})), Failure);
+  EXPECT_THROW(static_cast<void>(now.dense(all, Metres{0})), Failure);
+  EXPECT_THROW(static_cast<void>(now.dense(all, Metres{kInfinity})), Failure);
   EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{12})), Failure);
   EXPECT_NO_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{11}))) << "whole numbers lie at most 5 from a multiple of 11";
   EXPECT_THROW(static_cast<void>(now.quantised(all, Metres{5}, Metres{0})), Failure);
@@ -188,7 +191,11 @@ TEST(BoundedHeights, RefuseWhatTheyCannotKeep) {
   IngestOptions lossy;
   lossy.finest_tolerance = 2;
   ingest(folder / "a.tif", folder / "b.talus", lossy);
-  EXPECT_THROW(static_cast<void>(Database::open(folder / "b.talus").snapshot().bounded(all, Metres{5})), Failure);
+  const Snapshot kept = Database::open(folder / "b.talus").snapshot();
+  EXPECT_THROW(static_cast<void>(kept.bounded(all, Metres{5})), Failure);
+  EXPECT_EQ(kept.dense(all, Metres{5}).quadtree.origin.quantum, Metres{7}) << "2 m of the 5 are lost already";
+  EXPECT_EQ(now.dense(all, Metres{5}).quadtree.origin.quantum, Metres{11});
+  EXPECT_EQ(now.dense(all, Metres{0.5}).quadtree.heights, now.range(all, Metres{0.5}).quadtree.heights);
 }
 
 class StreamsOfRealModels : public ::testing::TestWithParam<const char*> {};
