@@ -6,7 +6,11 @@
 For each model and tolerance: vertices and triangles of the bounded answer, its quantum, and the bytes and bits a triangle of
 the three profiles; LERC with ZSTD, tiles of 256², MAX_Z_ERROR the tolerance, over the same window; Draco's sequential coding
 of the same mesh with its columns, rows and height quanta as they are, quantised so finely that none is lost, at its
-strongest level (needs draco_encoder: Debian package draco).
+strongest level (needs draco_encoder: Debian package draco); meshoptimizer's codecs of it behind zstd (needs meshopt, built
+beside the benches where the library is: Debian package libmeshoptimizer-dev); and what Dick et al. need for it by their layout,
+k + 2 bits a triangle and 32 bits every sixteen, k bits holding the range of quanta.
+
+With a third argument, tolerances: these instead of 5 and 20. With a fourth: models whose names contain it.
 """
 import json
 import math
@@ -49,16 +53,14 @@ def read_ply(path):
     return points, faces
 
 
-def draco_bytes(folder, points, faces, transform, quantum):
-    """The mesh in cells and quanta: whole numbers, so that fitting quantisation loses nothing."""
+def whole_ply(file, points, faces, transform, quantum):
+    """The mesh in cells and quanta: whole numbers, so that fitting quantisation loses nothing. Returns its bits."""
     whole = numpy.empty_like(points)
     whole[:, 0] = numpy.rint((points[:, 0] - transform[0]) / transform[1] - 0.5)
     whole[:, 1] = numpy.rint((points[:, 1] - transform[3]) / transform[5] - 0.5)
     whole[:, 2] = numpy.rint(points[:, 2] / quantum)
     whole -= whole.min(axis=0)
-    bits = max(1, math.ceil(math.log2(whole.max() + 1)))
-    ply = folder / "mesh.ply"
-    with open(ply, "wb") as out:
+    with open(file, "wb") as out:
         out.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
                   b"property float z\nelement face %d\nproperty list uchar int vertex_indices\nend_header\n"
                   % (len(points), len(faces)))
@@ -66,10 +68,21 @@ def draco_bytes(folder, points, faces, transform, quantum):
         rows = numpy.empty(len(faces), numpy.dtype([("n", "u1"), ("v", "<i4", 3)]))
         rows["n"], rows["v"] = 3, faces
         out.write(rows.tobytes())
+    return [max(1, math.ceil(math.log2(top + 1))) for top in (whole.max(), whole[:, 2].max())]
+
+
+def peers_of(folder, points, faces, transform, quantum, meshopt):
+    """Bytes of the same mesh by name."""
+    ply = folder / "mesh.ply"
+    bits, height_bits = whole_ply(ply, points, faces, transform, quantum)
     sizes = {}
-    for name, level in (("sequential", 0), ("strongest", 10)):
-        run("draco_encoder", "-i", ply, "-o", folder / "mesh.drc", "-qp", bits, "-cl", level)
-        sizes[name] = (folder / "mesh.drc").stat().st_size
+    if shutil.which("draco_encoder"):
+        for name, level in (("Draco 0", 0), ("Draco 10", 10)):
+            run("draco_encoder", "-i", ply, "-o", folder / "mesh.drc", "-qp", bits, "-cl", level)
+            sizes[name] = (folder / "mesh.drc").stat().st_size
+    if meshopt.exists() and bits <= 16:
+        sizes["meshopt"] = int(run(meshopt, ply).split()[1])
+    sizes["Dick"] = ((len(faces) + 2) * (height_bits + 2) + 7) // 8 + (len(faces) + 15) // 16 * 4
     return sizes
 
 
@@ -77,9 +90,13 @@ def main():
     talus, folder = Path(sys.argv[1]).resolve(), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
     models = Path(os.environ.get("TALUS_DEM_DIR", "../shared/dem"))
-    has_draco = shutil.which("draco_encoder") is not None
-    print("model tolerance quantum vertices triangles | fast balanced small: bytes (bits) | LERC | Draco seq, strongest")
+    tolerances = [float(t) for t in sys.argv[3].split(",")] if len(sys.argv) > 3 else [5, 20]
+    meshopt = talus.parent.parent / "bench" / "peers" / "meshopt"
+    print("model tolerance quantum vertices triangles | fast balanced small: bytes (bits) | LERC, against | "
+          "peers on the same mesh: bytes (bits), against")
     for name in MODELS:
+        if len(sys.argv) > 4 and sys.argv[4] not in name:
+            continue
         if not (models / name).exists():
             print(f"{name}: not there")
             continue
@@ -87,7 +104,7 @@ def main():
         if not database.exists():
             run(talus, "ingest", models / name, database)
         window, bbox, transform = window_of(models / name)
-        for tolerance in (5, 20):
+        for tolerance in tolerances:
             rqt, ply = folder / "answer.rqt", folder / "answer.ply"
             sizes = {}
             for profile in ("fast", "balanced", "small"):
@@ -101,12 +118,12 @@ def main():
             points, faces = read_ply(ply)
             bits = {p: 8 * s / max(1, len(faces)) for p, s in sizes.items()}
             words = " ".join(f"{sizes[p]:,} ({bits[p]:.2f})" for p in sizes)
-            draco = draco_bytes(folder, points, faces, transform, said["quantum"]) if has_draco else {}
+            peers = peers_of(folder, points, faces, transform, said["quantum"], meshopt)
             against = f"{sizes['balanced'] / lerc.stat().st_size:.2f}"
-            told = ", ".join(f"{size:,} ({8 * size / max(1, len(faces)):.2f}) {sizes['balanced'] / size:.2f}"
-                             for size in draco.values())
+            told = ", ".join(f"{peer} {size:,} ({8 * size / max(1, len(faces)):.2f}) {sizes['balanced'] / size:.2f}"
+                             for peer, size in peers.items())
             print(f"{Path(name).stem} {tolerance} {said['quantum']:g} {len(points):,} {len(faces):,} | {words} | "
-                  f"{lerc.stat().st_size:,} {against} | {told or 'no draco_encoder'}", flush=True)
+                  f"{lerc.stat().st_size:,} {against} | {told}", flush=True)
 
 
 if __name__ == "__main__":
