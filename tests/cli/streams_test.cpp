@@ -32,11 +32,14 @@ TEST_F(StreamCommands, MergedAnswersAreTheBytesOfTheAnswerAskedInOneGo) {
     must({"query", "a.talus", bbox, "--from", "inf", "--tolerance", "20", "-o", "1.rqt"});
     must({"query", "a.talus", bbox, "--from", "20", "--tolerance", "3", "-o", "2.rqt"});
     must({"query", "a.talus", bbox, "--from", "3", "--tolerance", "0", "-o", "3.rqt"});
-    must({"query", "a.talus", bbox, "--tolerance", "0", "-o", "whole.rqt", "-o", "whole.ply", "-o", "whole.obj"});
-    must({"merge", "base.rqt", "1.rqt", "2.rqt", "3.rqt", "-o", "merged.rqt", "-o", "merged.ply"});
+    must({"query", "a.talus", bbox, "--tolerance", "0", "-o", "whole.rqt", "-o", "whole.ply", "-o", "whole.obj", "-o",
+          "whole.glb", "-o", "whole.tif"});
+    must({"merge", "base.rqt", "1.rqt", "2.rqt", "3.rqt", "-o", "merged.rqt", "-o", "merged.ply", "-o", "merged.tif"});
     EXPECT_TRUE(bytes_of(folder / "merged.rqt") == bytes_of(folder / "whole.rqt"));
     EXPECT_TRUE(bytes_of(folder / "merged.ply") == bytes_of(folder / "whole.ply"));
-    must({"convert", "merged.rqt", "-o", "converted.ply", "-o", "converted.obj", "-o", "converted.png"});
+    must({"convert", "merged.rqt", "-o", "converted.ply", "-o", "converted.obj", "-o", "converted.png", "-o", "converted.glb"});
+    EXPECT_TRUE(bytes_of(folder / "converted.glb") == bytes_of(folder / "whole.glb"));
+    EXPECT_TRUE(bytes_of(folder / "merged.tif") == bytes_of(folder / "whole.tif"));
     EXPECT_TRUE(bytes_of(folder / "converted.ply") == bytes_of(folder / "whole.ply"));
     EXPECT_TRUE(bytes_of(folder / "converted.obj") == bytes_of(folder / "whole.obj"));
     must({"merge", "base.rqt", "1.rqt", "-o", "base.rqt"});  // over its own input
