@@ -9,6 +9,8 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,17 +26,19 @@
 namespace talus {
 namespace {
 
-constexpr double kHardlyMore = 0.98;  // of the finest answer's vertices: finer steps have nothing to show
+constexpr double kHardlyLess = 0.98;  // of the finest answer's vertices: finer steps have nothing to show
+constexpr double kHardlyMore = 1.02;  // than the border needs: nor have coarser ones
 constexpr std::size_t kMostSteps = 18;
-constexpr double kUsualBudget = 0.01;  // seconds
 constexpr int kTries = 4;              // for a budget
-constexpr double kWarmSeconds = 0.4;   // that repeating a warm answer may take, between kLeast and kMost times
-constexpr int kLeastRepeats = 3, kMostRepeats = 9;
+constexpr int kColdRounds = 3;  // of several windows one: the median is over them
+constexpr int kLeastRounds = 5, kMostRounds = 25;  // of warm answers
+constexpr double kRoundsSeconds = 2;               // enough, after the least
 constexpr std::int32_t kLeastWindow = 17, kMostWindow = 4097;
 constexpr std::int32_t kMapSide = 700, kMapsSide = 342;  // cells of one map alone, of one of several
 
-// What a measurement takes, in seconds, for the share that is done; measured on windows of 1025 × 1025 of Taiwan.
-constexpr double kPerWindow = 0.02, kPerVertex = 1.2e-6, kPerJudgedSample = 60e-9;
+// For the time left: what a tolerance takes, in times of what it took to count its vertices, and the share of that which is
+// not asking again. Measured on windows of 1025 × 1025 of Taiwan.
+constexpr double kTimesCounting = 20, kFirstShare = 0.8;
 
 template <class T>
 T median(std::vector<T> values) {
@@ -88,6 +92,7 @@ class Study {
  public:
   Study(const std::filesystem::path& file, const AccuracyOptions& options) : file_(file), options_(options) {
     require_sense();
+    const auto started = std::chrono::steady_clock::now();
     const Snapshot now = open().snapshot();
     description_ = report.description = now.description();
     report.threads = threads_or_all(options.threads);
@@ -101,7 +106,7 @@ class Study {
     read_truth(now);
     tell("choosing tolerances");
     choose_steps(now);
-    drop_from_memory(file_);
+    estimate_work(std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
   }
 
   AccuracyReport report;
@@ -112,10 +117,12 @@ class Study {
       drop_from_memory(file_);
       report.share_in_memory = share_in_memory(file_);
     }
-    for (const Step& step : steps_) {
-      report.points.push_back(measure(step.tolerance));
-      done_ += work(step.vertices);
-    }
+    for (const Step& step : steps_) report.points.push_back(measure(step.tolerance, kFirstShare * work(step)));
+    std::vector<AccuracyPoint*> all;
+    double again = 0;
+    for (AccuracyPoint& point : report.points) all.push_back(&point);
+    for (const Step& step : steps_) again += (1 - kFirstShare) * work(step);
+    measure_warm(all, again);
     advise();
     if (report.has_truth && options_.maps) {
       const AccuracyPoint& shown = report.points[report.advice.point.value_or(report.points.size() / 2)];
@@ -129,7 +136,7 @@ class Study {
  private:
   struct Step {
     Metres tolerance;
-    std::uint64_t vertices;  ///< of all windows
+    double seconds;  ///< that counting its vertices took
   };
 
   void require_sense() const {
@@ -146,19 +153,9 @@ class Study {
   /// Without decoded pages to find: a viewer seldom asks for the place it has just asked for.
   [[nodiscard]] Database open() const { return Database::open(file_, {.cache_bytes = 0, .threads = options_.threads}); }
 
-  void tell(const char* stage) {
-    if (options_.progress) options_.progress(all_ > 0 ? std::min(done_ / all_, 0.999) : 0, stage);
+  void tell(const std::string& stage) const {
+    if (options_.progress) options_.progress(all_ > 0 ? std::min(done_ / all_, 0.999) : 0, stage.c_str());
   }
-  [[nodiscard]] double work(std::uint64_t vertices) const {
-    return kPerWindow * static_cast<double>(report.windows.size()) + kPerVertex * static_cast<double>(vertices) +
-           (report.has_truth ? kPerJudgedSample * static_cast<double>(samples()) : 0);
-  }
-  [[nodiscard]] std::int64_t samples() const {
-    std::int64_t sum = 0;
-    for (const GridRect& window : report.windows) sum += window.samples();
-    return sum;
-  }
-
   void read_truth(const Snapshot& now) {
     report.has_truth = options_.truth || description_.finest_tolerance == 0;
     if (!report.has_truth) return;
@@ -172,37 +169,61 @@ class Study {
     return vertices;
   }
 
+  std::uint64_t add_step(const Snapshot& now, Metres tolerance) {
+    std::uint64_t vertices = 0;
+    double seconds = 0;
+    {
+      const Stopwatch stopwatch(seconds);
+      vertices = vertices_at(now, tolerance);
+    }
+    steps_.push_back({tolerance, seconds});
+    return vertices;
+  }
+
   void choose_steps(const Snapshot& now) {
     if (!options_.tolerances.empty()) {
       std::vector<Metres> falling = options_.tolerances;
       std::sort(falling.begin(), falling.end(), std::greater<>());
       falling.erase(std::unique(falling.begin(), falling.end()), falling.end());
-      for (const Metres tolerance : falling) steps_.push_back({tolerance, vertices_at(now, tolerance)});
-    } else {
-      std::uint64_t finest = 0;
-      double largest = 0;
-      for (const GridRect& window : report.windows) {
-        const RestrictedQuadtree all = now.range(window, Metres{0}).quadtree;
-        finest += all.vertices.size();
-        for (const double error : all.level_errors) {
-          if (std::isfinite(error)) largest = std::max(largest, error);
-        }
-      }
-      // Below these answers are all the same.
-      const double floor = std::max(description_.lossy_metres, description_.finest_tolerance);
-      if (!(largest > floor)) steps_.push_back({Metres{floor}, finest});
-      for (int step = largest > floor ? round_step_below(largest) : 0; largest > floor && steps_.size() < kMostSteps; --step) {
-        const double tolerance = std::max(round_number(step), floor);
-        steps_.push_back({Metres{tolerance}, vertices_at(now, Metres{tolerance})});
-        if (tolerance <= floor || static_cast<double>(steps_.back().vertices) >= kHardlyMore * static_cast<double>(finest)) break;
+      for (const Metres tolerance : falling) add_step(now, tolerance);
+      return;
+    }
+    std::uint64_t finest = 0;
+    double largest = 0;
+    for (const GridRect& window : report.windows) {
+      const RestrictedQuadtree all = now.range(window, Metres{0}).quadtree;
+      finest += all.vertices.size();
+      for (const double error : all.level_errors) {
+        if (std::isfinite(error)) largest = std::max(largest, error);
       }
     }
-    double largest_work = 0;
+    // Below this answers are all the same.
+    const double floor = std::max(description_.lossy_metres, description_.finest_tolerance);
+    if (!(largest > floor)) {
+      add_step(now, Metres{floor});
+      return;
+    }
+    const std::uint64_t border = vertices_at(now, Metres{std::numeric_limits<double>::infinity()});
+    for (int step = round_step_below(largest); steps_.size() < kMostSteps; --step) {
+      const double tolerance = std::max(round_number(step), floor);
+      const auto vertices = static_cast<double>(add_step(now, Metres{tolerance}));
+      // Of steps that need next to nothing the last is enough.
+      if (steps_.size() == 2 && vertices <= kHardlyMore * static_cast<double>(border)) steps_.erase(steps_.begin());
+      if (tolerance <= floor || vertices >= kHardlyLess * static_cast<double>(finest)) return;
+    }
+  }
+
+  /// What measuring a tolerance takes, about.
+  [[nodiscard]] static double work(const Step& step) { return kTimesCounting * step.seconds; }
+
+  void estimate_work(double seconds_so_far) {
+    double most = 0;
+    all_ = done_ = seconds_so_far;
     for (const Step& step : steps_) {
-      all_ += work(step.vertices);
-      largest_work = std::max(largest_work, work(step.vertices));
+      all_ += work(step);
+      most = std::max(most, work(step));
     }
-    all_ += largest_work;  // for the advice and maps, about
+    all_ += most;  // for the advice and the maps
   }
 
   /// What time an answer's mesh takes.
@@ -212,51 +233,35 @@ class Study {
     return triangulate(answer.quadtree, options_.threads);
   }
 
-  AccuracyPoint measure(Metres tolerance) {
+  /// What warm answers of a tolerance took, by window.
+  using Rounds = std::vector<std::vector<double>>;
+
+  /// All but warm times; `share` of the work is done then.
+  AccuracyPoint measure(Metres tolerance, double share) {
     const std::string stage = fmt::format("asking at {} m", tolerance.value);
-    std::vector<double> cold, warm;
+    std::vector<double> cold;
     std::vector<std::uint64_t> vertices, triangles, bytes;
     ErrorDistribution errors;
     AccuracyPoint point;
     point.tolerance = tolerance;
-    const double before = done_;
     for (std::size_t w = 0; w < report.windows.size(); ++w) {
-      tell(stage.c_str());
+      tell(stage);
       Answer answer;
       Mesh mesh;
-      {
-        drop_from_memory(file_);
-        double opening = 0;
-        const Database database = [&] {
-          const Stopwatch stopwatch(opening);
-          return open();
-        }();
-        opening_.push_back(opening);
-        const Snapshot now = database.snapshot();
-        double seconds = 0;
-        mesh = timed_answer(now, report.windows[w], tolerance, answer, seconds);
-        cold.push_back(seconds);
-        std::vector<double> repeated;
-        const int repeats = std::clamp(static_cast<int>(kWarmSeconds / std::max(seconds, 1e-6)), kLeastRepeats, kMostRepeats);
-        for (int i = 0; i < repeats; ++i) {
-          double again = 0;
-          mesh = timed_answer(now, report.windows[w], tolerance, answer, again);
-          repeated.push_back(again);
-        }
-        warm.push_back(median(std::move(repeated)));
+      for (int i = 0; i < (report.windows.size() > 1 ? 1 : kColdRounds); ++i) {
+        answer = {};
+        mesh = {};
+        cold.push_back(cold_answer(w, tolerance, answer, mesh));
       }
       vertices.push_back(mesh.points.size());
       triangles.push_back(mesh.triangles.size());
       point.bound = std::max(point.bound, answer.quadtree.bound);
       if (report.has_truth) errors += true_error(mesh, description_, truth_of(w)).errors;
-      mesh = Mesh{};
+      mesh = {};
       bytes.push_back(encode({description_, std::move(answer.quadtree)}, {.threads = options_.threads}).size());
-      done_ += work(vertices.back()) / static_cast<double>(report.windows.size());
+      done_ += share / static_cast<double>(report.windows.size());
     }
-    done_ = before;
-    point.typical_window = median_place(warm);
     point.cold_seconds = median(std::move(cold));
-    point.warm_seconds = median(std::move(warm));
     point.most_vertices = *std::max_element(vertices.begin(), vertices.end());
     point.vertices = median(std::move(vertices));
     point.triangles = median(std::move(triangles));
@@ -267,14 +272,73 @@ class Study {
     return point;
   }
 
+  double cold_answer(std::size_t window, Metres tolerance, Answer& answer, Mesh& mesh) {
+    drop_from_memory(file_);
+    double opening = 0, seconds = 0;
+    const Database database = [&] {
+      const Stopwatch stopwatch(opening);
+      return open();
+    }();
+    opening_.push_back(opening);
+    mesh = timed_answer(database.snapshot(), report.windows[window], tolerance, answer, seconds);
+    return seconds;
+  }
+
+  void warm_round(const Snapshot& now, Metres tolerance, Rounds& rounds) const {
+    rounds.resize(report.windows.size());
+    for (std::size_t w = 0; w < report.windows.size(); ++w) {
+      Answer answer;
+      double seconds = 0;
+      static_cast<void>(timed_answer(now, report.windows[w], tolerance, answer, seconds));
+      rounds[w].push_back(seconds);
+    }
+  }
+
+  static void settle_warm(AccuracyPoint& point, const Rounds& rounds) {
+    std::vector<double> windows;
+    for (const std::vector<double>& seconds : rounds) windows.push_back(median(seconds));
+    point.typical_window = median_place(windows);
+    point.warm_seconds = windows[point.typical_window];
+  }
+
+  /// Rounds over some points, so many that times are steady.
+  void measure_warm(std::span<AccuracyPoint* const> points, double share) {
+    std::vector<Rounds> rounds(points.size());
+    const Snapshot now = open().snapshot();
+    for (const GridRect& window : report.windows) static_cast<void>(now.range(window, points.back()->tolerance));  // into memory
+    double seconds = 0;
+    for (int round = 0; round < kLeastRounds || (round < kMostRounds && seconds < kRoundsSeconds); ++round) {
+      const Stopwatch stopwatch(seconds);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        tell("asking again");
+        warm_round(now, points[i]->tolerance, rounds[i]);
+        if (round < kLeastRounds) done_ += share / static_cast<double>(kLeastRounds * points.size());
+      }
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) settle_warm(*points[i], rounds[i]);
+  }
+
+  AccuracyPoint measure_alone(Metres tolerance) {
+    AccuracyPoint point = measure(tolerance, 0);
+    AccuracyPoint* const points[] = {&point};
+    measure_warm(points, 0);
+    return point;
+  }
+
   [[nodiscard]] SampleReader truth_of(std::size_t window) const {
     return [this, window](GridRect part) { return part_of(truth_[window], part); };
   }
 
-  /// Ten milliseconds if the measured times bracket them, else the round time nearest to their middle.
+  /// What an answer takes, or a finer one took: it does no more than that one, so that it was slower is the machine's doing.
+  [[nodiscard]] double seconds_for(std::size_t point) const {
+    double seconds = report.points[point].warm_seconds;
+    for (std::size_t i = point; i < report.points.size(); ++i) seconds = std::min(seconds, report.points[i].warm_seconds);
+    return seconds;
+  }
+
+  /// A round time amid the measured ones.
   [[nodiscard]] double usual_budget() const {
-    const double least = report.points.front().warm_seconds, most = report.points.back().warm_seconds;
-    if (least <= kUsualBudget && kUsualBudget < most) return kUsualBudget;
+    const double least = seconds_for(0), most = seconds_for(report.points.size() - 1);
     const double middle = std::sqrt(least * std::max(most, least));
     for (const int step : {round_step_below(middle), round_step_below(middle) + 1}) {
       if (round_number(step) >= least && round_number(step) < most) return round_number(step);
@@ -287,21 +351,22 @@ class Study {
     AccuracyAdvice& advice = report.advice;
     advice.budget_seconds = options_.budget_seconds.value_or(usual_budget());
     std::vector<AccuracyPoint>& points = report.points;
-    const auto over = std::find_if(points.begin(), points.end(),
-                                   [&](const AccuracyPoint& p) { return p.warm_seconds > advice.budget_seconds; });
-    if (over == points.begin()) return;
-    advice.point = static_cast<std::size_t>(over - points.begin()) - 1;
-    advice.is_finest = over == points.end();
+    std::size_t over = 0;
+    while (over < points.size() && seconds_for(over) <= advice.budget_seconds) ++over;
+    if (over == 0) return;
+    advice.point = over - 1;
+    advice.is_finest = over == points.size();
     if (advice.is_finest) return;
 
-    const AccuracyPoint coarse = points[*advice.point], fine = *over;
+    const AccuracyPoint coarse = points[over - 1], fine = points[over];
     if (!(fine.tolerance.value > 0)) return;
-    const double share = std::log(advice.budget_seconds / coarse.warm_seconds) / std::log(fine.warm_seconds / coarse.warm_seconds);
+    const double least = seconds_for(over - 1), most = seconds_for(over);
+    const double share = std::log(advice.budget_seconds / least) / std::log(most / least);
     double tolerance = coarse.tolerance.value * std::pow(fine.tolerance.value / coarse.tolerance.value, std::clamp(share, 0.0, 1.0));
     for (int i = 0; i < kTries; ++i) {
       tolerance = std::max(two_digits(tolerance), fine.tolerance.value);
       if (tolerance >= coarse.tolerance.value || tolerance == fine.tolerance.value) return;
-      const AccuracyPoint tried = measure(Metres{tolerance});
+      const AccuracyPoint tried = measure_alone(Metres{tolerance});
       const auto place = std::find_if(points.begin(), points.end(), [&](const AccuracyPoint& p) { return p.tolerance < tried.tolerance; });
       const auto at = points.insert(place, tried);
       if (tried.warm_seconds <= advice.budget_seconds) {

@@ -20,7 +20,7 @@ constexpr std::int64_t kWholeNamed = std::int64_t{4097} * 4097;  // and if named
 constexpr std::int64_t kMostWindows = 9;
 constexpr double kMostPlaces = 1024;   // looked at
 constexpr double kTerrainShare = 0.03;  // of all samples: a tolerance that needs as many tells terrain from flat sea
-constexpr std::int64_t kFlatSamples = 4096;  // one vertex in so many samples, and fewer, is flat
+constexpr std::int64_t kFlatSamples = 128;  // one vertex in so many samples, and fewer, is flat, or the rim of a void
 
 struct Span {
   std::int32_t first, last;

@@ -17,7 +17,7 @@ struct AccuracyOptions {
   std::optional<GridRect> region;   ///< what it is about, within the extent; empty: all of it
   std::optional<std::int32_t> window;  ///< samples a side, 17 to 4097: ask through windows of this size, whatever the region's
   std::vector<Metres> tolerances;   ///< finite, 0 or more; empty: see AccuracyReport::points
-  std::optional<double> budget_seconds;  ///< of the advice; empty: ten milliseconds, or what the measured times bracket
+  std::optional<double> budget_seconds;  ///< of the advice, above 0; empty: a round time amid the measured ones
   std::optional<Metres> map_tolerance;   ///< of the maps; empty: the advised one
   bool maps = true;
   /// What errors are measured against; empty: the database's own samples, or nothing if it did not keep them all.
@@ -42,9 +42,11 @@ struct AccuracyPoint {
   std::uint64_t vertices = 0, triangles = 0;  ///< of the mesh
   std::uint64_t bytes = 0;                    ///< as a stream with the profile `balanced`
   std::uint64_t most_vertices = 0;            ///< no window has more
-  /// From the question to the mesh: the file as far out of memory as the system lets go, just opened.
+  /// From the question to the mesh, in a program that has answered before: the file as far out of memory as the system lets
+  /// go, and just opened. Of one window the median of three.
   double cold_seconds = 0;
-  /// The same with the file in memory and nothing decoded; of each window the median of three to nine.
+  /// The same with the file in memory and nothing decoded. Of each window the median of five to 25, taken in rounds over
+  /// all tolerances, so that what else the machine does spoils none of them alone.
   double warm_seconds = 0;
   std::size_t typical_window = 0;  ///< whose warm time is the median
   std::optional<AccuracyErrors> errors;  ///< nothing without a truth
@@ -71,14 +73,14 @@ struct AccuracyReport {
   std::vector<GridRect> windows;  ///< asked about, each by itself
   bool is_whole = true;           ///< there is one window, and it is the region
   std::uint64_t places = 1;       ///< windows that stand in the region side by side, and were looked at
-  std::uint64_t places_with_terrain = 1;  ///< of these, those in which `terrain` needs more than a vertex in 4096 samples
+  std::uint64_t places_with_terrain = 1;  ///< of these, those in which `terrain` needs more than a vertex in 128 samples
   Metres terrain;
   int threads = 1;
   double open_seconds = 0;                ///< of a cold file: median
   std::optional<double> share_in_memory;  ///< of the file, right after the system was asked to drop it; nothing: not told
   bool has_truth = false;
-  /// Falling tolerance. Without tolerances of the caller's: 1, 2, 5, 10 … from below the largest error in the windows down
-  /// to where hardly a vertex is left to win; and those that were tried for the advice.
+  /// Falling tolerance. Without tolerances of the caller's: 1, 2, 5, 10 … from where the first vertices are needed that
+  /// the border does not need, down to where hardly one is left to win; and those that were tried for the advice.
   std::vector<AccuracyPoint> points;
   AccuracyAdvice advice;
   Metres map_tolerance;
