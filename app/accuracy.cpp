@@ -21,7 +21,8 @@ namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, bbox, tolerances, time, map;
+  std::string database;
+  std::optional<std::string> bbox, tolerances, time, map;  // an empty word is none of them
   std::vector<std::string> against, outputs;
   std::optional<std::int32_t> window;
   int threads = 0;
@@ -50,11 +51,11 @@ AccuracyOptions options_of(const Request& request) {
   options.window = request.window;
   options.threads = request.threads;
   options.maps = !request.outputs.empty();
-  if (!request.tolerances.empty()) options.tolerances = parse_tolerances(request.tolerances);
-  if (!request.time.empty()) options.budget_seconds = parse_time(request.time);
-  if (!request.map.empty()) {
+  if (request.tolerances) options.tolerances = parse_tolerances(*request.tolerances);
+  if (request.time) options.budget_seconds = parse_time(*request.time);
+  if (request.map) {
     if (request.outputs.empty()) throw Failure(Cause::invalid_argument, "--map needs --output: maps are part of a report");
-    options.map_tolerance = parse_tolerances(request.map, "--map").front();
+    options.map_tolerance = parse_tolerances(*request.map, "--map").front();
   }
   return options;
 }
@@ -63,7 +64,7 @@ Exit run(const Request& request) {
   // What is misspelt is said before a file is opened.
   AccuracyOptions options = options_of(request);
   std::optional<Rectangle> rectangle;
-  if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
+  if (request.bbox) rectangle = parse_bbox(*request.bbox);
   {
     // Closed again before anything is measured: what is open stays in memory.
     const Snapshot now = Database::open(request.database).snapshot();

@@ -29,10 +29,10 @@ const AccuracyPoint* compared(const AccuracyReport& report) {
   const AccuracyPoint* const point = advised(report);
   if (point == nullptr) return nullptr;
   for (const AccuracyPoint& p : report.points) {
-    if (p.tolerance.value <= point->tolerance.value / 2) return &p;
+    if (&p != point && p.tolerance.value <= point->tolerance.value / 2) return &p;
   }
   for (auto p = report.points.rbegin(); p != report.points.rend(); ++p) {
-    if (p->tolerance.value >= 2 * point->tolerance.value) return &*p;
+    if (&*p != point && p->tolerance.value >= 2 * point->tolerance.value) return &*p;
   }
   return nullptr;
 }
@@ -100,11 +100,11 @@ std::string cold_text(const AccuracyReport& report) {
 }
 
 constexpr const char* kWarm =
-    "from question to mesh, the file in memory and nothing of it decoded, in a program that has answered before; median of five to 25. "
+    "from question to mesh, the file in memory and nothing of it decoded, in a program that has answered before; median of five to 101. "
     "A program that has just started, as talus query, takes longer: all its memory is fresh";
 
 /// What a reader must know to take the figures for what they are.
-std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNames& names) {
+std::vector<std::string> caveats(const AccuracyReport& report) {
   std::vector<std::string> sentences;
   const Description& d = report.description;
   if (!report.has_truth) {
@@ -118,7 +118,6 @@ std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNam
   }
   if (report.points.back().vertices == report.points.front().vertices && report.points.size() > 1)
     sentences.push_back("Every tolerance that was asked for has the same answer.");
-  static_cast<void>(names);
   return sentences;
 }
 
@@ -227,7 +226,7 @@ std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& nam
   table.add("warm", kWarm);
   table.add("cold", cold_text(report));
   table.add("threads", fmt::format("{}", report.threads));
-  for (const std::string& sentence : caveats(report, names)) table.add("note", sentence);
+  for (const std::string& sentence : caveats(report)) table.add("note", sentence);
   std::string text = table.text() + "\n" + aligned(rows_of(report)) + "\n" + recommendation(report) + "\n";
   for (const AccuracyPoint* p : {advised(report), compared(report)}) {
     if (p != nullptr) text += "  " + what_it_is(report, *p) + "\n";
@@ -272,7 +271,7 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
             {"share_in_memory", report.share_in_memory ? Json(*report.share_in_memory) : Json()},
             {"points", points},
             {"recommendation", advice},
-            {"notes", caveats(report, names)}};
+            {"notes", caveats(report)}};
   if (!report.maps.empty()) json["map_tolerance"] = report.map_tolerance.value;
   return json;
 }
@@ -285,7 +284,7 @@ std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& name
   body += paragraph(recommendation(report), kMargin, y, 14, kWidth - 2 * kMargin);
   y += 2;
   body += paragraph("Measured: " + question_text(report) + ".", kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
-  for (const std::string& sentence : caveats(report, names)) body += paragraph(sentence, kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
+  for (const std::string& sentence : caveats(report)) body += paragraph(sentence, kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
   y += 10;
   const double right = 2 * kMargin + kColumn, below = y + kChartHeight + 16;
   body += drawn(time_chart(report), {kMargin, y, kColumn, kChartHeight}) + drawn(bytes_chart(report), {right, y, kColumn, kChartHeight});
@@ -327,7 +326,7 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
   add("Warm", std::string(kWarm) + ".");
   add("Cold", cold_text(report) + ".");
   add("Threads", fmt::format("{}, which answers of a million samples and more use.", report.threads));
-  for (const std::string& sentence : caveats(report, names)) add("Note", sentence);
+  for (const std::string& sentence : caveats(report)) add("Note", sentence);
   terms += "</dl>\n";
   std::string maps;
   if (!report.maps.empty()) {

@@ -230,7 +230,7 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
     right = std::max(right, at.x + at.width);
     group += panel(map, limit, at) + (count > 1 ? numbered(i + 1, at) : "");
   }
-  group += legend(std::max(limit, 1e-12), room.x, bottom + 26, has_voids);
+  group += limit > 0 ? legend(limit, room.x, bottom + 26, has_voids) : svg_text(room.x, bottom + 26, "no error anywhere", kText);
   group += scale_bar(right, box.y + 26, report.maps.front().width_m, first.width);
   return group + "</g>\n";
 }

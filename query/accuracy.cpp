@@ -27,11 +27,11 @@ namespace talus {
 namespace {
 
 constexpr double kHardlyLess = 0.98;  // of the finest answer's vertices: finer steps have nothing to show
-constexpr double kHardlyMore = 1.02;  // than the border needs: nor have coarser ones
+constexpr double kHardlyMore = 1.1;   // than the border needs: nor have coarser ones
 constexpr std::size_t kMostSteps = 18;
 constexpr int kTries = 4;              // for a budget
 constexpr int kColdRounds = 3;  // of several windows one: the median is over them
-constexpr int kLeastRounds = 5, kMostRounds = 25;  // of warm answers
+constexpr int kLeastRounds = 5, kMostRounds = 101;  // of warm answers
 constexpr double kRoundsSeconds = 2;               // enough, after the least
 constexpr std::int32_t kLeastWindow = 17, kMostWindow = 4097;
 constexpr std::int32_t kMapSide = 700, kMapsSide = 342;  // cells of one map alone, of one of several
@@ -96,6 +96,10 @@ class Study {
     const Snapshot now = open().snapshot();
     description_ = report.description = now.description();
     report.threads = threads_or_all(options.threads);
+    if (const auto& r = options.region; r && (r->cols() < 1 || r->rows() < 1 || !description_.extent.contains(r->first) ||
+                                              !description_.extent.contains(r->last))) {
+      throw Failure(Cause::invalid_argument, "the region to measure is empty or reaches out of the extent");
+    }
     AskedWindows asked = windows_of(now, options.region.value_or(description_.extent), options.region.has_value(), options.window);
     report.windows = std::move(asked.windows);
     report.is_whole = asked.is_whole;
@@ -367,10 +371,9 @@ class Study {
       tolerance = std::max(two_digits(tolerance), fine.tolerance.value);
       if (tolerance >= coarse.tolerance.value || tolerance == fine.tolerance.value) return;
       const AccuracyPoint tried = measure_alone(Metres{tolerance});
-      const auto place = std::find_if(points.begin(), points.end(), [&](const AccuracyPoint& p) { return p.tolerance < tried.tolerance; });
-      const auto at = points.insert(place, tried);
       if (tried.warm_seconds <= advice.budget_seconds) {
-        advice.point = static_cast<std::size_t>(at - points.begin());
+        points.insert(points.begin() + static_cast<std::ptrdiff_t>(over), tried);
+        advice.point = over;
         return;
       }
       tolerance = std::sqrt(tolerance * coarse.tolerance.value);

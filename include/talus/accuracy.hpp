@@ -45,7 +45,7 @@ struct AccuracyPoint {
   /// From the question to the mesh, in a program that has answered before: the file as far out of memory as the system lets
   /// go, and just opened. Of one window the median of three.
   double cold_seconds = 0;
-  /// The same with the file in memory and nothing decoded. Of each window the median of five to 25, taken in rounds over
+  /// The same with the file in memory and nothing decoded. Of each window the median of five to 101, taken in rounds over
   /// all tolerances, so that what else the machine does spoils none of them alone.
   double warm_seconds = 0;
   std::size_t typical_window = 0;  ///< whose warm time is the median
@@ -80,7 +80,7 @@ struct AccuracyReport {
   std::optional<double> share_in_memory;  ///< of the file, right after the system was asked to drop it; nothing: not told
   bool has_truth = false;
   /// Falling tolerance. Without tolerances of the caller's: 1, 2, 5, 10 … from where the first vertices are needed that
-  /// the border does not need, down to where hardly one is left to win; and those that were tried for the advice.
+  /// the border does not need, down to where hardly one is left to win; and the advised one.
   std::vector<AccuracyPoint> points;
   AccuracyAdvice advice;
   Metres map_tolerance;
