@@ -39,8 +39,9 @@ void check_output(const std::string& output, const std::string& database) {
   }
   std::error_code ignored;
   if (std::filesystem::equivalent(output, database, ignored)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("--output {} is the database itself: the report would replace it; name another file", output));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("--output {} is the database itself: the report would replace it; name another file", output));
   }
   const HoldInterrupts nothing_left_behind;
   const OutputFile can_be_written(output);
@@ -54,7 +55,8 @@ AccuracyOptions options_of(const Request& request) {
   if (request.tolerances) options.tolerances = parse_tolerances(*request.tolerances);
   if (request.time) options.budget_seconds = parse_time(*request.time);
   if (request.map) {
-    if (request.outputs.empty()) throw Failure(Cause::invalid_argument, "--map needs --output: maps are part of a report");
+    if (request.outputs.empty())
+      throw Failure(Cause::invalid_argument, "--map needs --output: maps are part of a report");
     options.map_tolerance = parse_tolerances(*request.map, "--map").front();
   }
   return options;
@@ -110,7 +112,8 @@ void add_accuracy(CLI::App& program, Action& action) {
                    "Without it errors are against the database's own samples, if it keeps all of them")
       ->option_text("DEM ...")
       ->check(is_named);
-  command->add_option("--bbox", request->bbox, "Ask about this rectangle instead of the whole raster")->option_text("=XMIN,YMIN,XMAX,YMAX");
+  command->add_option("--bbox", request->bbox, "Ask about this rectangle instead of the whole raster")
+      ->option_text("=XMIN,YMIN,XMAX,YMAX");
   command
       ->add_option("--window", request->window,
                    "Ask about windows of N x N samples, whatever the size of the raster or rectangle")
@@ -122,8 +125,8 @@ void add_accuracy(CLI::App& program, Action& action) {
       ->option_text("M,M,...");
   command
       ->add_option("--time", request->time,
-                   "Recommend for this much time an answer, as 10ms or 0.5s; without it a round time\n"
-                   "amid the measured ones")
+                   "Recommend for this much time an answer, as 10ms or 0.5s; without it about what\n"
+                   "the tolerance amid the others takes")
       ->option_text("T");
   command->add_option("--map", request->map, "Tolerance of the maps; without it the recommended one")->option_text("M");
   command->add_option("--threads", request->threads, "Of an answer of a million samples or more; 0: one a core")
@@ -147,8 +150,10 @@ void add_accuracy(CLI::App& program, Action& action) {
       "largest distance, what 95 % of them lie within, and the root mean square. Then say what a time buys, from an\n"
       "answer that was asked for at that very tolerance, with a talus query to get it.\n"
       "\n"
-      "The question is the whole raster or the rectangle. A raster of more than 2049 x 2049 samples, or a rectangle of\n"
-      "more than 4097 x 4097, is asked about through at most nine windows of 1025 x 1025, as a viewer asks, spread over\n"
+      "The question is the whole raster or the rectangle. A raster of more than 2049 x 2049 samples, or a rectangle "
+      "of\n"
+      "more than 4097 x 4097, is asked about through at most nine windows of 1025 x 1025, as a viewer asks, spread "
+      "over\n"
       "those that are not flat; counts and times are then medians, errors are over all windows together.\n"
       "\n"
       "Warm: the file is in memory, nothing of it decoded. Cold: the system was asked to drop the file, and it was\n"

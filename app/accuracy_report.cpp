@@ -18,7 +18,9 @@ std::string metres3(Metres m) { return fmt::format("{:.3g} m", m.value); }
 std::string exactly(Metres m) { return fmt::format("{} m", m.value); }
 
 /// A budget as it was asked for, in milliseconds below a second.
-std::string budget_text(double seconds) { return seconds < 0.9999 ? fmt::format("{:g} ms", seconds * 1000) : fmt::format("{:g} s", seconds); }
+std::string budget_text(double seconds) {
+  return seconds < 0.9999 ? fmt::format("{:g} ms", seconds * 1000) : fmt::format("{:g} s", seconds);
+}
 
 const AccuracyPoint* advised(const AccuracyReport& report) {
   return report.advice.point ? &report.points[*report.advice.point] : nullptr;
@@ -38,8 +40,10 @@ const AccuracyPoint* compared(const AccuracyReport& report) {
 }
 
 std::string what_it_is(const AccuracyReport& report, const AccuracyPoint& p) {
-  std::string text = fmt::format("{} warm, {} cold, {} vertices{}, {} as a stream", timed(p.warm_seconds), timed(p.cold_seconds), counted(p.vertices),
-                                 report.is_whole ? "" : fmt::format(" (at most {})", counted(p.most_vertices)), sized(p.bytes));
+  std::string text =
+      fmt::format("{} warm, {} cold, {} vertices{}, {} as a stream", timed(p.warm_seconds), timed(p.cold_seconds),
+                  counted(p.vertices), report.is_whole ? "" : fmt::format(" (at most {})", counted(p.most_vertices)),
+                  sized(p.bytes));
   if (p.errors) {
     text += fmt::format("; samples are at most {} off, 95 % within {}, root mean square {}", metres3(p.errors->largest),
                         metres3(p.errors->percentile_95), metres3(p.errors->rms));
@@ -55,7 +59,8 @@ std::string quoted(const std::string& word) {
 }
 
 std::string bbox_of(const Description& d, GridRect w) {
-  return fmt::format("{},{},{},{}", d.mapping.x(w.first.col), d.mapping.y(w.last.row), d.mapping.x(w.last.col), d.mapping.y(w.first.row));
+  return fmt::format("{},{},{},{}", d.mapping.x(w.first.col), d.mapping.y(w.last.row), d.mapping.x(w.last.col),
+                     d.mapping.y(w.first.row));
 }
 
 /// The advised answer, asked for: of several windows the typical one's.
@@ -71,18 +76,20 @@ std::string question_text(const AccuracyReport& report) {
   if (report.is_whole) return "a rectangle, " + bounds_text(report.description, w);
   const std::string places =
       report.places_with_terrain > 0
-          ? fmt::format("the {} of {} places where {} needs more than a vertex in 128 samples", counted(report.places_with_terrain),
-                        counted(report.places), exactly(report.terrain))
+          ? fmt::format("the {} of {} places where {} needs more than a vertex in 128 samples",
+                        counted(report.places_with_terrain), counted(report.places), exactly(report.terrain))
           : fmt::format("{} places, all of them flat", counted(report.places));
-  return fmt::format("{} {} of {} x {} samples, each asked about by itself, spread over {}; counts and times are medians", report.windows.size(),
-                     report.windows.size() == 1 ? "window" : "windows", w.cols(), w.rows(), places);
+  return fmt::format(
+      "{} {} of {} x {} samples, each asked about by itself, spread over {}; counts and times are medians",
+      report.windows.size(), report.windows.size() == 1 ? "window" : "windows", w.cols(), w.rows(), places);
 }
 
 std::string truth_text(const AccuracyReport& report, const AccuracyNames& names) {
   if (!report.has_truth) return "none";
   std::string text = names.truth.empty() ? "the database's own samples" : names.truth;
   if (const auto& errors = report.points.front().errors)
-    text += fmt::format(", {} of them under each surface{}", counted(errors->samples), report.windows.size() > 1 ? ", all windows together" : "");
+    text += fmt::format(", {} of them under the coarsest surface{}", counted(errors->samples),
+                        report.windows.size() > 1 ? ", all windows together" : "");
   return text;
 }
 
@@ -91,7 +98,8 @@ std::string cold_text(const AccuracyReport& report) {
   if (!report.share_in_memory) {
     text += "; whether it did cannot be told";
   } else if (*report.share_in_memory > 0.01) {
-    text += fmt::format("; it kept {:.0f} % of it, so a cold disk takes longer than these times say", 100 * *report.share_in_memory);
+    text += fmt::format("; it kept {:.0f} % of it, so a cold disk takes longer than these times say",
+                        100 * *report.share_in_memory);
   } else {
     text += ", which it did; what the disk keeps by itself stays";
   }
@@ -100,7 +108,8 @@ std::string cold_text(const AccuracyReport& report) {
 }
 
 constexpr const char* kWarm =
-    "from question to mesh, the file in memory and nothing of it decoded, in a program that has answered before; median of five to 101. "
+    "from question to mesh, the file in memory and nothing of it decoded, in a program that has answered before; "
+    "median of five to 101. "
     "A program that has just started, as talus query, takes longer: all its memory is fresh";
 
 /// What a reader must know to take the figures for what they are.
@@ -108,13 +117,15 @@ std::vector<std::string> caveats(const AccuracyReport& report) {
   std::vector<std::string> sentences;
   const Description& d = report.description;
   if (!report.has_truth) {
-    sentences.push_back(fmt::format(
-        "The database keeps the vertices of answers at {} m and more only, not all samples: without --against DEM true errors are not known, and left out.",
-        d.finest_tolerance));
+    sentences.push_back(
+        fmt::format("The database keeps the vertices of answers at {} m and more only, not all samples: without "
+                    "--against DEM true errors are not known, and left out.",
+                    d.finest_tolerance));
   }
   if (d.lossy_metres > 0 && report.has_truth) {
-    sentences.push_back(
-        fmt::format("Ingest rounded heights by up to {} m: errors here are against the rounded ones, bounds count that in.", d.lossy_metres));
+    sentences.push_back(fmt::format(
+        "Ingest rounded heights by up to {} m: errors here are against the rounded ones, bounds count that in.",
+        d.lossy_metres));
   }
   if (report.points.back().vertices == report.points.front().vertices && report.points.size() > 1)
     sentences.push_back("Every tolerance that was asked for has the same answer.");
@@ -130,8 +141,10 @@ std::vector<std::vector<std::string>> rows_of(const AccuracyReport& report) {
   head.insert(head.end(), {"vertices", "triangles", "stream", "warm", "cold"});
   for (const AccuracyPoint& p : report.points) {
     std::vector<std::string> row{exactly(p.tolerance)};
-    if (p.errors) row.insert(row.end(), {metres3(p.errors->largest), metres3(p.errors->percentile_95), metres3(p.errors->rms)});
-    row.insert(row.end(), {counted(p.vertices), counted(p.triangles), sized(p.bytes), timed(p.warm_seconds), timed(p.cold_seconds)});
+    if (p.errors)
+      row.insert(row.end(), {metres3(p.errors->largest), metres3(p.errors->percentile_95), metres3(p.errors->rms)});
+    row.insert(row.end(), {counted(p.vertices), counted(p.triangles), sized(p.bytes), timed(p.warm_seconds),
+                           timed(p.cold_seconds)});
     rows.push_back(std::move(row));
   }
   return rows;
@@ -152,7 +165,8 @@ std::vector<Curve> curves_over(const AccuracyReport& report, double (*cost)(cons
   return {tolerance, largest, most, rms};
 }
 
-std::optional<Chart::Note> note_of(const AccuracyReport& report, double (*cost)(const AccuracyPoint&), std::string (*label)(double)) {
+std::optional<Chart::Note> note_of(const AccuracyReport& report, double (*cost)(const AccuracyPoint&),
+                                   std::string (*label)(double)) {
   const AccuracyPoint* const p = advised(report);
   if (p == nullptr) return {};
   return Chart::Note{cost(*p), p->tolerance.value, exactly(p->tolerance) + ", " + label(cost(*p))};
@@ -160,7 +174,11 @@ std::optional<Chart::Note> note_of(const AccuracyReport& report, double (*cost)(
 
 Chart time_chart(const AccuracyReport& report) {
   const auto cost = [](const AccuracyPoint& p) { return p.warm_seconds; };
-  Chart chart{"Error against time", {"time of an answer, warm", seconds_label}, {"metres", metres_label}, curves_over(report, cost), {}};
+  Chart chart{"Error against time",
+              {"time of an answer, warm", seconds_label},
+              {"metres", metres_label},
+              curves_over(report, cost),
+              {}};
   Curve cold{"tolerance, cold", "#8c8c8c", '-', true, {}};
   for (const AccuracyPoint& p : report.points) cold.points.emplace_back(p.cold_seconds, p.tolerance.value);
   chart.curves.push_back(std::move(cold));
@@ -170,13 +188,19 @@ Chart time_chart(const AccuracyReport& report) {
 
 Chart bytes_chart(const AccuracyReport& report) {
   const auto cost = [](const AccuracyPoint& p) { return static_cast<double>(p.bytes); };
-  return {"Error against bytes", {"size of an answer as a stream", bytes_label}, {"metres", metres_label}, curves_over(report, cost),
+  return {"Error against bytes",
+          {"size of an answer as a stream", bytes_label},
+          {"metres", metres_label},
+          curves_over(report, cost),
           note_of(report, cost, [](double v) { return sized(static_cast<std::uint64_t>(v)); })};
 }
 
 Chart vertices_chart(const AccuracyReport& report) {
   const auto cost = [](const AccuracyPoint& p) { return static_cast<double>(p.vertices); };
-  return {"Error against vertices", {"vertices of an answer", count_label}, {"metres", metres_label}, curves_over(report, cost),
+  return {"Error against vertices",
+          {"vertices of an answer", count_label},
+          {"metres", metres_label},
+          curves_over(report, cost),
           note_of(report, cost, [](double v) { return counted(static_cast<std::uint64_t>(v)) + " vertices"; })};
 }
 
@@ -185,9 +209,12 @@ std::vector<std::string> wrapped(const std::string& text, double size, double wi
   std::vector<std::string> lines{""};
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t end = std::min(text.find(' ', from), text.size());
-    const std::string word = text.substr(from, end - from), longer = lines.back().empty() ? word : lines.back() + " " + word;
-    if (text_width(longer, size) > width && !lines.back().empty()) lines.push_back(word);
-    else lines.back() = longer;
+    const std::string word = text.substr(from, end - from),
+                      longer = lines.back().empty() ? word : lines.back() + " " + word;
+    if (text_width(longer, size) > width && !lines.back().empty())
+      lines.push_back(word);
+    else
+      lines.back() = longer;
     from = end + 1;
   }
   return lines;
@@ -209,13 +236,16 @@ std::string recommendation(const AccuracyReport& report) {
   const AccuracyPoint *const point = advised(report), *const other = compared(report);
   if (point == nullptr) {
     const AccuracyPoint& coarsest = report.points.front();
-    return fmt::format("{} buy nothing: {}, the coarsest that was asked for, takes {}.", budget_text(advice.budget_seconds),
-                       exactly(coarsest.tolerance), timed(coarsest.warm_seconds));
+    return fmt::format("{} buy nothing: {}, the coarsest that was asked for, takes {}.",
+                       budget_text(advice.budget_seconds), exactly(coarsest.tolerance), timed(coarsest.warm_seconds));
   }
-  std::string text = advice.is_finest ? fmt::format("{} are more than is needed: the finest that was asked for, {}, takes {}", budget_text(advice.budget_seconds),
-                                                    exactly(point->tolerance), timed(point->warm_seconds))
-                                      : fmt::format("For {} you can have {}", budget_text(advice.budget_seconds), exactly(point->tolerance));
-  if (other != nullptr) text += fmt::format("; for {} you pay {}", exactly(other->tolerance), timed(other->warm_seconds));
+  std::string text =
+      advice.is_finest
+          ? fmt::format("{} are more than is needed: the finest that was asked for, {}, takes {}",
+                        budget_text(advice.budget_seconds), exactly(point->tolerance), timed(point->warm_seconds))
+          : fmt::format("For {} you can have {}", budget_text(advice.budget_seconds), exactly(point->tolerance));
+  if (other != nullptr)
+    text += fmt::format("; for {} you pay {}", exactly(other->tolerance), timed(other->warm_seconds));
   return text + ".";
 }
 
@@ -237,8 +267,8 @@ std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& nam
 
 Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
   const auto point_json = [&](const AccuracyPoint& p) {
-    Json json{{"tolerance", p.tolerance.value},   {"bound", p.bound.value},   {"vertices", p.vertices},
-              {"most_vertices", p.most_vertices}, {"triangles", p.triangles}, {"bytes", p.bytes},
+    Json json{{"tolerance", p.tolerance.value},   {"bound", p.bound.value},        {"vertices", p.vertices},
+              {"most_vertices", p.most_vertices}, {"triangles", p.triangles},      {"bytes", p.bytes},
               {"warm_seconds", p.warm_seconds},   {"cold_seconds", p.cold_seconds}};
     if (p.errors) {
       json["largest_error"] = p.errors->largest.value;
@@ -249,7 +279,8 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
     return json;
   };
   Json windows = Json::array(), points = Json::array();
-  for (const GridRect& w : report.windows) windows.push_back({{"bbox", bounds(report.description, w)}, {"cols", w.cols()}, {"rows", w.rows()}});
+  for (const GridRect& w : report.windows)
+    windows.push_back({{"bbox", bounds(report.description, w)}, {"cols", w.cols()}, {"rows", w.rows()}});
   for (const AccuracyPoint& p : report.points) points.push_back(point_json(p));
   Json advice{{"budget_seconds", report.advice.budget_seconds}, {"text", recommendation(report)}};
   if (const AccuracyPoint* const p = advised(report)) {
@@ -279,27 +310,34 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
 std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& names) {
   constexpr double kWidth = 1180, kMargin = 20, kChartHeight = 380, kColumn = (kWidth - 3 * kMargin) / 2;
   double y = 38;
-  std::string body = svg_text(kMargin, y, "What accuracy costs: " + names.database, 20, "start", "font-weight=\"bold\"") + "\n";
+  std::string body =
+      svg_text(kMargin, y, "What accuracy costs: " + names.database, 20, "start", "font-weight=\"bold\"") + "\n";
   y += 26;
   body += paragraph(recommendation(report), kMargin, y, 14, kWidth - 2 * kMargin);
   y += 2;
   body += paragraph("Measured: " + question_text(report) + ".", kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
-  for (const std::string& sentence : caveats(report)) body += paragraph(sentence, kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
+  for (const std::string& sentence : caveats(report))
+    body += paragraph(sentence, kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
   y += 10;
   const double right = 2 * kMargin + kColumn, below = y + kChartHeight + 16;
-  body += drawn(time_chart(report), {kMargin, y, kColumn, kChartHeight}) + drawn(bytes_chart(report), {right, y, kColumn, kChartHeight});
-  const double height = report.maps.empty() ? kChartHeight : 460;
-  body += drawn(vertices_chart(report), {kMargin, below, kColumn, kChartHeight}) + drawn_maps(report, {right + 20, below, kColumn - 20, height});
+  body += drawn(time_chart(report), {kMargin, y, kColumn, kChartHeight}) +
+          drawn(bytes_chart(report), {right, y, kColumn, kChartHeight});
+  const double height = report.maps.empty() ? kChartHeight : 490;
+  body += drawn(vertices_chart(report), {kMargin, below, kColumn, kChartHeight}) +
+          drawn_maps(report, {right + 20, below, kColumn - 20, height});
   y = below + kChartHeight + 20;
   double note = y;
   body += paragraph("Warm: " + std::string(kWarm) + ".", kMargin, note, 11, kColumn, "fill=\"#555\"");
   body += paragraph("Cold: " + cold_text(report) + ".", kMargin, note, 11, kColumn, "fill=\"#555\"");
-  if (report.has_truth) body += paragraph("Errors against " + truth_text(report, names) + ".", kMargin, note, 11, kColumn, "fill=\"#555\"");
+  if (report.has_truth)
+    body += paragraph("Errors against " + truth_text(report, names) + ".", kMargin, note, 11, kColumn, "fill=\"#555\"");
   return svg_document(kWidth, std::max(note, below + height) + 10, body);
 }
 
 std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& names) {
-  const auto chart = [](const Chart& c) { return "<figure>" + svg_document(580, 380, drawn(c, {0, 0, 580, 380})) + "</figure>\n"; };
+  const auto chart = [](const Chart& c) {
+    return "<figure>" + svg_document(580, 380, drawn(c, {0, 0, 580, 380})) + "</figure>\n";
+  };
   std::string table = "<table>\n";
   const auto rows = rows_of(report);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -320,9 +358,11 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
     terms += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, xml(text));
   };
   add("Question", question_text(report) + ".");
-  add("Errors", report.has_truth ? "Distance of a sample from the surface over or under it, against " + truth_text(report, names) +
-                                       ". Largest; the least that 95 % lie within, at most one part in 256 too large; root mean square."
-                                 : std::string("Not known."));
+  add("Errors",
+      report.has_truth
+          ? "Distance of a sample from the surface over or under it, against " + truth_text(report, names) +
+                ". Largest; the least that 95 % lie within, at most one part in 256 too large; root mean square."
+          : std::string("Not known."));
   add("Warm", std::string(kWarm) + ".");
   add("Cold", cold_text(report) + ".");
   add("Threads", fmt::format("{}, which answers of a million samples and more use.", report.threads));
@@ -331,7 +371,11 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
   std::string maps;
   if (!report.maps.empty()) {
     const bool several = report.maps.size() > 1;
-    const double height = several ? 880 : 60 + std::min(900.0, 880 * report.maps.front().height_on_ground_m / std::max(report.maps.front().width_m, 1e-9)) + 40;
+    const double height = several ? 880
+                                  : 60 +
+                                        std::min(900.0, 880 * report.maps.front().height_on_ground_m /
+                                                            std::max(report.maps.front().width_m, 1e-9)) +
+                                        70;
     maps = "<figure>" + svg_document(1000, height, drawn_maps(report, {10, 0, 980, height})) + "</figure>\n";
   }
   return fmt::format(R"(<!DOCTYPE html>
@@ -362,7 +406,9 @@ dd {{ margin: 0 0 .4em 0; }}
 {5}</body>
 </html>
 )",
-                     xml(names.database), advice, chart(time_chart(report)) + chart(bytes_chart(report)) + chart(vertices_chart(report)), maps, table, terms);
+                     xml(names.database), advice,
+                     chart(time_chart(report)) + chart(bytes_chart(report)) + chart(vertices_chart(report)), maps,
+                     table, terms);
 }
 
 }  // namespace talus::app

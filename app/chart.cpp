@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -12,8 +14,8 @@
 namespace talus::app {
 namespace {
 
-constexpr double kText = 11, kTitle = 13;       // pixels, of letters
-constexpr double kGap = 8;                      // between two labels
+constexpr double kText = 11, kTitle = 13;                                             // pixels, of letters
+constexpr double kGap = 8;                                                            // between two labels
 constexpr double kLeft = 66, kRight = 16, kTop = 26, kLegendLine = 17, kBottom = 44;  // around the plot
 constexpr const char* kInk = "#222";
 
@@ -26,7 +28,9 @@ struct Scale {
   double least = 1, most = 10;
   double from = 0, to = 1;  // pixels; `to` may be above
 
-  [[nodiscard]] double at(double value) const { return from + (to - from) * std::log(value / least) / std::log(most / least); }
+  [[nodiscard]] double at(double value) const {
+    return from + (to - from) * std::log(value / least) / std::log(most / least);
+  }
   [[nodiscard]] bool holds(double value) const { return value >= least * (1 - 1e-9) && value <= most * (1 + 1e-9); }
 };
 
@@ -46,7 +50,8 @@ double decade(int exponent) { return exponent >= 0 ? std::pow(10, exponent) : 1 
 /// Numbers of an axis: digits times powers of ten, every `nth` decade.
 std::vector<double> numbers(const Scale& scale, const std::vector<int>& digits, int nth) {
   std::vector<double> found;
-  const int first = static_cast<int>(std::floor(std::log10(scale.least))), last = static_cast<int>(std::ceil(std::log10(scale.most)));
+  const int first = static_cast<int>(std::floor(std::log10(scale.least))),
+            last = static_cast<int>(std::ceil(std::log10(scale.most)));
   for (int exponent = first; exponent <= last; ++exponent) {
     if ((exponent % nth + nth) % nth != 0) continue;
     for (const int digit : digits) {
@@ -80,11 +85,13 @@ std::vector<double> labelled(const Scale& scale, Extent&& extent) {
 std::string mark_at(char mark, double x, double y, const std::string& colour) {
   switch (mark) {
     case 'o': return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.2\" fill=\"{}\"/>", x, y, colour);
-    case 's': return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"5.6\" height=\"5.6\" fill=\"{}\"/>", x - 2.8, y - 2.8, colour);
-    case 't':
-      return fmt::format("<path d=\"M{:.1f} {:.1f}l3.6 6.4h-7.2z\" fill=\"{}\"/>", x, y - 4, colour);
+    case 's':
+      return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"5.6\" height=\"5.6\" fill=\"{}\"/>", x - 2.8, y - 2.8,
+                         colour);
+    case 't': return fmt::format("<path d=\"M{:.1f} {:.1f}l3.6 6.4h-7.2z\" fill=\"{}\"/>", x, y - 4, colour);
     case 'd':
-      return fmt::format("<path d=\"M{:.1f} {:.1f}l3.6 3.6l-3.6 3.6l-3.6 -3.6z\" fill=\"#fff\" stroke=\"{}\"/>", x, y - 3.6, colour);
+      return fmt::format("<path d=\"M{:.1f} {:.1f}l3.6 3.6l-3.6 3.6l-3.6 -3.6z\" fill=\"#fff\" stroke=\"{}\"/>", x,
+                         y - 3.6, colour);
     default: return "";
   }
 }
@@ -110,8 +117,8 @@ std::pair<int, std::string> legend(const std::vector<Curve>& curves, double x, d
       ++lines;
     }
     const double middle = y + kLegendLine * (lines - 0.5);
-    group += fmt::format("<path d=\"M{:.1f} {:.1f}h24\" {}/>", at, middle, stroke(curve)) + mark_at(curve.mark, at + 12, middle, curve.colour) +
-             svg_text(at + 30, middle + 4, curve.name, kText);
+    group += fmt::format("<path d=\"M{:.1f} {:.1f}h24\" {}/>", at, middle, stroke(curve)) +
+             mark_at(curve.mark, at + 12, middle, curve.colour) + svg_text(at + 30, middle + 4, curve.name, kText);
     at += takes;
   }
   return {lines, group};
@@ -125,10 +132,12 @@ std::string grid(const Scale& x, const Scale& y, const Chart& chart, const Box& 
   for (const double v : numbers(x, all_digits, 1)) group += line(x.at(v), plot.y, x.at(v), bottom, faint);
   for (const double v : numbers(y, all_digits, 1)) group += line(plot.x, y.at(v), right, y.at(v), faint);
   for (const double v : labelled(x, [&](double n) { return text_width(chart.x.label(n), kText); })) {
-    group += line(x.at(v), plot.y, x.at(v), bottom + 4, clear) + svg_text(x.at(v), bottom + 17, chart.x.label(v), kText, "middle");
+    group += line(x.at(v), plot.y, x.at(v), bottom + 4, clear) +
+             svg_text(x.at(v), bottom + 17, chart.x.label(v), kText, "middle");
   }
   for (const double v : labelled(y, [](double) { return kText; })) {
-    group += line(plot.x - 4, y.at(v), right, y.at(v), clear) + svg_text(plot.x - 8, y.at(v) + 4, chart.y.label(v), kText, "end");
+    group += line(plot.x - 4, y.at(v), right, y.at(v), clear) +
+             svg_text(plot.x - 8, y.at(v) + 4, chart.y.label(v), kText, "end");
   }
   group += line(plot.x, bottom, right, bottom, edge) + line(plot.x, plot.y, plot.x, bottom, edge);
   group += svg_text(plot.x + plot.width / 2, bottom + 36, chart.x.title, kText, "middle", "fill=\"#555\"");
@@ -140,15 +149,18 @@ std::string drawn_note(const Chart::Note& note, const Scale& x, const Scale& y, 
   const double px = x.at(note.x), py = y.at(note.y);
   const bool fits = px + 12 + text_width(note.text, kText) < plot.x + plot.width;
   const double tx = fits ? px + 12 : plot.x + plot.width - 4, ty = std::max(py - 12, plot.y + kText + 2);
-  return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"7\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.4\"/>", px, py, kInk) +
+  return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"7\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.4\"/>",
+                     px, py, kInk) +
          svg_text(tx, ty, note.text, kText, fits ? "start" : "end",
-                  "font-weight=\"bold\" stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"");
+                  "font-weight=\"bold\" stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\" "
+                  "paint-order=\"stroke\"");
 }
 
 }  // namespace
 
 std::string drawn(const Chart& chart, Box box) {
-  std::string group = "<g>\n" + svg_text(box.x + kLeft, box.y + 15, chart.title, kTitle, "start", "font-weight=\"bold\"") + "\n";
+  std::string group =
+      "<g>\n" + svg_text(box.x + kLeft, box.y + 15, chart.title, kTitle, "start", "font-weight=\"bold\"") + "\n";
   constexpr double kNone = std::numeric_limits<double>::infinity();
   double left = kNone, right = 0, low = kNone, high = 0;
   std::vector<Curve> curves;
@@ -169,11 +181,13 @@ std::string drawn(const Chart& chart, Box box) {
   const auto [lines, names] = legend(curves, box.x + kLeft, box.y + kTop - 2, box.width - kLeft - kRight);
   const double top = kTop + lines * kLegendLine + 8;
   const Box plot{box.x + kLeft, box.y + top, box.width - kLeft - kRight, box.height - top - kBottom};
-  const Scale x = scale_of(left, right, plot.x, plot.x + plot.width), y = scale_of(low, high, plot.y + plot.height, plot.y);
+  const Scale x = scale_of(left, right, plot.x, plot.x + plot.width),
+              y = scale_of(low, high, plot.y + plot.height, plot.y);
   group += names + "\n" + grid(x, y, chart, plot);
   for (const Curve& curve : curves) {
     std::string path;
-    for (const auto& [px, py] : curve.points) path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x.at(px), y.at(py));
+    for (const auto& [px, py] : curve.points)
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x.at(px), y.at(py));
     group += fmt::format("<path d=\"{}\" {}/>\n", path, stroke(curve));
     for (const auto& [px, py] : curve.points) group += mark_at(curve.mark, x.at(px), y.at(py), curve.colour);
     group += "\n";
@@ -196,17 +210,27 @@ std::string xml(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     const auto byte = static_cast<unsigned char>(c);
-    if (c == '&') escaped += "&amp;";
-    else if (c == '<') escaped += "&lt;";
-    else if (c == '>') escaped += "&gt;";
-    else if (c == '"') escaped += "&quot;";
-    else if (byte < 0x20) escaped += ' ';
-    else if (byte < 0x80) escaped += c;
+    if (c == '&')
+      escaped += "&amp;";
+    else if (c == '<')
+      escaped += "&lt;";
+    else if (c == '>')
+      escaped += "&gt;";
+    else if (c == '"')
+      escaped += "&quot;";
+    else if (byte < 0x20)
+      escaped += ' ';
+    else if (byte < 0x80)
+      escaped += c;
     else {
       // UTF-8 as it is, whatever else a file name may hold as a blank.
-      const std::size_t more = byte >= 0xf0 && byte < 0xf5 ? 3 : byte >= 0xe0 && byte < 0xf0 ? 2 : byte >= 0xc2 && byte < 0xe0 ? 1 : 0;
+      const std::size_t more = byte >= 0xf0 && byte < 0xf5   ? 3
+                               : byte >= 0xe0 && byte < 0xf0 ? 2
+                               : byte >= 0xc2 && byte < 0xe0 ? 1
+                                                             : 0;
       bool is_whole = more > 0 && i + more < text.size();
-      for (std::size_t k = 1; is_whole && k <= more; ++k) is_whole = (static_cast<unsigned char>(text[i + k]) & 0xc0u) == 0x80;
+      for (std::size_t k = 1; is_whole && k <= more; ++k)
+        is_whole = (static_cast<unsigned char>(text[i + k]) & 0xc0u) == 0x80;
       if (is_whole) {
         escaped += text.substr(i, more + 1);
         i += more;
@@ -219,16 +243,20 @@ std::string xml(std::string_view text) {
 }
 
 std::string svg_text(double x, double y, std::string_view text, double size, const char* anchor, const char* more) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"{:g}\" text-anchor=\"{}\" {}>{}</text>", x, y, size, anchor, more,
-                     xml(text));
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"{:g}\" text-anchor=\"{}\" {}>{}</text>", x, y, size,
+                     anchor, more, xml(text));
 }
 
 double text_width(std::string_view text, double size) {
-  const auto letters = std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80; });
+  const auto letters =
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80; });
   return 0.56 * size * static_cast<double>(letters);
 }
 
-std::string metres_label(double v) { return v >= 10000 ? fmt::format("{:g} km", v / 1000) : fmt::format("{:g} m", v); }
+std::string metres_label(double v) {
+  if (v < 0.9999e-3) return fmt::format("{:g} mm", v * 1000);
+  return v >= 9999 ? fmt::format("{:g} km", v / 1000) : fmt::format("{:g} m", v);
+}
 
 std::string seconds_label(double v) {
   if (v < 0.9999e-3) return fmt::format("{:g} µs", v * 1e6);

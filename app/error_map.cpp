@@ -45,13 +45,15 @@ double slope_percentile(std::vector<double> slopes, double share) {
 /// Shades of relief, 1 on level ground, light from the north-west.
 std::vector<double> shades(const ErrorMap& map) {
   const auto at = [&](int col, int row) {
-    return map.height_m[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.cols) + static_cast<std::size_t>(col)];
+    return map
+        .height_m[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.cols) + static_cast<std::size_t>(col)];
   };
   const double cell_x = map.width_m / std::max(map.cols, 1), cell_y = map.height_on_ground_m / std::max(map.rows, 1);
   std::vector<double> east, north, slopes;
   for (int row = 0; row < map.rows; ++row) {
     for (int col = 0; col < map.cols; ++col) {
-      const int w = std::max(col - 1, 0), e = std::min(col + 1, map.cols - 1), n = std::max(row - 1, 0), s = std::min(row + 1, map.rows - 1);
+      const int w = std::max(col - 1, 0), e = std::min(col + 1, map.cols - 1), n = std::max(row - 1, 0),
+                s = std::min(row + 1, map.rows - 1);
       const double dx = e > w ? (at(e, row) - at(w, row)) / ((e - w) * cell_x) : 0;
       const double dy = s > n ? (at(col, n) - at(col, s)) / ((s - n) * cell_y) : 0;
       const bool known = std::isfinite(dx) && std::isfinite(dy);
@@ -60,7 +62,8 @@ std::vector<double> shades(const ErrorMap& map) {
       if (known) slopes.push_back(std::hypot(dx, dy));
     }
   }
-  const double typical = slope_percentile(std::move(slopes), 0.9), exaggeration = typical > 0 ? kTypicalSlope / typical : 1;
+  const double typical = slope_percentile(std::move(slopes), 0.9),
+               exaggeration = typical > 0 ? kTypicalSlope / typical : 1;
   std::vector<double> shades;
   for (std::size_t i = 0; i < east.size(); ++i) {
     const double x = east[i] * exaggeration, y = north[i] * exaggeration;
@@ -88,14 +91,16 @@ std::string base64(std::span<const std::byte> bytes) {
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) three = three << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
     for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kLetters[three >> (18 - 6 * k) & 63] : '=';
   }
   return text;
 }
 
 std::string box_of(Box b, const char* style) {
-  return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>", b.x, b.y, b.width, b.height, style);
+  return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>", b.x, b.y, b.width,
+                     b.height, style);
 }
 
 /// The largest box of a shape in the middle of another.
@@ -119,18 +124,20 @@ std::string numbered(std::size_t number, Box panel) {
          svg_text(panel.x + 4, panel.y + 12, fmt::format("{}", number), kText, "start", "font-weight=\"bold\"");
 }
 
-/// A bar of a round length, at most a fifth of what is shown, that ends at `right`.
-std::string scale_bar(double right, double y, double metres_shown, double pixels) {
-  double length = std::pow(10, std::floor(std::log10(metres_shown / 5)));
+/// A bar of a round length, at most a third of what is shown.
+std::string scale_bar(double x, double y, double metres_shown, double pixels) {
+  double length = std::pow(10, std::floor(std::log10(metres_shown / 3)));
   for (const double factor : {5.0, 2.0}) {
-    if (length * factor <= metres_shown / 5) {
+    if (length * factor <= metres_shown / 3) {
       length *= factor;
       break;
     }
   }
   const double width = pixels * length / metres_shown;
-  return fmt::format("<path d=\"M{:.1f} {:.1f}v5h{:.1f}v-5\" fill=\"none\" stroke=\"#222\" stroke-width=\"1.4\"/>", right - width, y, width) +
-         svg_text(right - width - 6, y + 6, length >= 1000 ? fmt::format("{:g} km", length / 1000) : fmt::format("{:g} m", length), kText, "end");
+  return fmt::format("<path d=\"M{:.1f} {:.1f}v5h{:.1f}v-5\" fill=\"none\" stroke=\"#222\" stroke-width=\"1.4\"/>", x,
+                     y, width) +
+         svg_text(x + width + 6, y + 6,
+                  length >= 1000 ? fmt::format("{:g} km", length / 1000) : fmt::format("{:g} m", length), kText);
 }
 
 /// Swatches from below to above, and the numbers between them.
@@ -143,7 +150,8 @@ std::string legend(double limit, double x, double y, bool has_voids) {
                     fmt::format("fill=\"rgb({},{},{})\" stroke=\"#999\"", c.r, c.g, c.b).c_str());
   }
   const auto number = [&](double at, double value) {
-    return svg_text(x + kSwatch * at, y + kHeight + 13, value < 0 ? fmt::format("−{:.3g}", -value) : fmt::format("{:.3g}", value), 10, "middle");
+    return svg_text(x + kSwatch * at, y + kHeight + 13,
+                    value < 0 ? fmt::format("−{:.3g}", -value) : fmt::format("{:.3g}", value), 10, "middle");
   };
   for (int i = 0; i <= kSide; ++i) {
     const double value = limit / std::pow(2, i < kSide ? i : kSide);
@@ -153,7 +161,8 @@ std::string legend(double limit, double x, double y, bool has_voids) {
   group += svg_text(right + 24, y + kHeight + 13, "m", 10);
   group += svg_text(x, y - 5, "surface below the ground", 10) + svg_text(right, y - 5, "above", 10, "end");
   if (has_voids) {
-    group += box_of({right + 44, y, 20, kHeight}, fmt::format("fill=\"rgb({},{},{})\" stroke=\"#999\"", kVoid.r, kVoid.g, kVoid.b).c_str()) +
+    group += box_of({right + 44, y, 20, kHeight},
+                    fmt::format("fill=\"rgb({},{},{})\" stroke=\"#999\"", kVoid.r, kVoid.g, kVoid.b).c_str()) +
              svg_text(right + 70, y + 10, "no data", 10);
   }
   return group;
@@ -166,18 +175,21 @@ std::string locator(const AccuracyReport& report, Box box) {
   const GridRect& w = report.windows.front();
   const double aspect = map.height_on_ground_m / static_cast<double>(std::max<std::int64_t>(w.rows() - 1, 1)) /
                         (map.width_m / static_cast<double>(std::max<std::int64_t>(w.cols() - 1, 1)));
-  const double cols = static_cast<double>(std::max<std::int64_t>(e.cols() - 1, 1)), rows = static_cast<double>(std::max<std::int64_t>(e.rows() - 1, 1));
+  const double cols = static_cast<double>(std::max<std::int64_t>(e.cols() - 1, 1)),
+               rows = static_cast<double>(std::max<std::int64_t>(e.rows() - 1, 1));
   Box whole = fitted(box, cols, rows * aspect);
   whole.y = box.y;
   std::string group = box_of(whole, "fill=\"#f4f4f4\" stroke=\"#777\"");
   for (const ErrorMap& m : report.maps) {
     const GridRect& r = report.windows[m.window];
-    const Box place{whole.x + whole.width * (r.first.col - e.first.col) / cols, whole.y + whole.height * (r.first.row - e.first.row) / rows,
-                    whole.width * static_cast<double>(r.cols() - 1) / cols, whole.height * static_cast<double>(r.rows() - 1) / rows};
+    const Box place{whole.x + whole.width * (r.first.col - e.first.col) / cols,
+                    whole.y + whole.height * (r.first.row - e.first.row) / rows,
+                    whole.width * static_cast<double>(r.cols() - 1) / cols,
+                    whole.height * static_cast<double>(r.rows() - 1) / rows};
     group += box_of(place, "fill=\"#998ec3\" stroke=\"#542788\"");
     const bool left = place.x + place.width + 12 > whole.x + whole.width;
-    group += svg_text(left ? place.x - 2 : place.x + place.width + 2, place.y + place.height / 2 + 4, fmt::format("{}", m.window + 1), 10,
-                      left ? "end" : "start");
+    group += svg_text(left ? place.x - 2 : place.x + place.width + 2, place.y + place.height / 2 + 4,
+                      fmt::format("{}", m.window + 1), 10, left ? "end" : "start");
   }
   return group;
 }
@@ -194,13 +206,16 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
       if (report.map_tolerance.value == 0 && std::isfinite(error)) limit = std::max<double>(limit, std::abs(error));
     }
   }
-  std::string group = "<g>\n" + svg_text(box.x, box.y + 15, fmt::format("Where the error sits at {:g} m", report.map_tolerance.value), kTitle, "start",
-                                         "font-weight=\"bold\"");
+  std::string group =
+      "<g>\n" + svg_text(box.x, box.y + 15, fmt::format("Where the error sits at {:g} m", report.map_tolerance.value),
+                         kTitle, "start", "font-weight=\"bold\"");
   if (report.maps.front().step > 1) {
-    group += svg_text(box.x, box.y + 31, fmt::format("each pixel shows the sample that is farthest off of {0} × {0}", report.maps.front().step), 10, "start",
-                      "fill=\"#555\"");
+    group +=
+        svg_text(box.x, box.y + 31,
+                 fmt::format("each pixel shows the sample that is farthest off of {0} × {0}", report.maps.front().step),
+                 10, "start", "fill=\"#555\"");
   }
-  constexpr double kHead = 40, kFoot = 48;
+  constexpr double kHead = 40, kFoot = 78;
   Box room{box.x, box.y + kHead, box.width, box.height - kHead - kFoot};
   const std::size_t count = report.maps.size();
   if (count > 1) {
@@ -218,20 +233,25 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
     width_m = std::max(width_m, map.width_m);
     height_m = std::max(height_m, map.height_on_ground_m);
   }
-  const Box slot = fitted({0, 0, room.width / static_cast<double>(across) - kGap, room.height / static_cast<double>(down) - kGap}, width_m, height_m);
+  const Box slot =
+      fitted({0, 0, room.width / static_cast<double>(across) - kGap, room.height / static_cast<double>(down) - kGap},
+             width_m, height_m);
   Box first;
-  double bottom = 0, right = 0;
+  double bottom = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const ErrorMap& map = report.maps[i];
-    const Box at{room.x + (slot.width + kGap) * static_cast<double>(i % across), room.y + (slot.height + kGap) * static_cast<double>(i / across),
-                 slot.width * std::max(map.width_m, 1e-9) / width_m, slot.height * std::max(map.height_on_ground_m, 1e-9) / height_m};
+    const Box at{room.x + (slot.width + kGap) * static_cast<double>(i % across),
+                 room.y + (slot.height + kGap) * static_cast<double>(i / across),
+                 slot.width * std::max(map.width_m, 1e-9) / width_m,
+                 slot.height * std::max(map.height_on_ground_m, 1e-9) / height_m};
     if (i == 0) first = at;
     bottom = std::max(bottom, at.y + at.height);
-    right = std::max(right, at.x + at.width);
     group += panel(map, limit, at) + (count > 1 ? numbered(i + 1, at) : "");
   }
-  group += limit > 0 ? legend(limit, room.x, bottom + 26, has_voids) : svg_text(room.x, bottom + 26, "no error anywhere", kText);
-  group += scale_bar(right, box.y + 26, report.maps.front().width_m, first.width);
+  group += limit > 0 ? legend(limit, room.x + 14, bottom + 26, has_voids)
+                     : svg_text(room.x, bottom + 36, "no error anywhere", kText);
+  if (report.maps.front().width_m > 0)
+    group += scale_bar(room.x + 14, bottom + 66, report.maps.front().width_m, first.width);
   return group + "</g>\n";
 }
 

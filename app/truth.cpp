@@ -31,7 +31,8 @@ SampleReader open_truth(const std::vector<std::string>& against, const Descripti
                         const std::string& database) {
   InputOptions inputs;
   inputs.height_step = 2 * description.lossy_metres;  // heights are held against those the database rounded
-  const auto raster = std::make_shared<Raster>(std::vector<std::filesystem::path>{against.begin(), against.end()}, inputs);
+  const auto raster =
+      std::make_shared<Raster>(std::vector<std::filesystem::path>{against.begin(), against.end()}, inputs);
   const GridRect ours = description.extent, theirs = raster->description().extent;
   if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {
     throw Failure(Cause::invalid_argument,
@@ -46,8 +47,8 @@ SampleReader open_truth(const std::vector<std::string>& against, const Descripti
   // Joined otherwise, the same raster may count its samples from another corner.
   const std::int32_t east = theirs.first.col - ours.first.col, south = theirs.first.row - ours.first.row;
   return [raster, east, south](GridRect part) {
-    SampleWindow window = raster->read({{part.first.col + east, part.first.row + south},
-                                        {part.last.col + east, part.last.row + south}});
+    SampleWindow window =
+        raster->read({{part.first.col + east, part.first.row + south}, {part.last.col + east, part.last.row + south}});
     window.region = part;
     return window;
   };

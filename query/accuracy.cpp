@@ -27,17 +27,18 @@ namespace talus {
 namespace {
 
 constexpr double kHardlyLess = 0.98;  // of the finest answer's vertices: finer steps have nothing to show
-constexpr double kHardlyMore = 1.1;   // than the border needs: nor have coarser ones
+constexpr double kHardlyGained = 0.01, kMost = 0.8;  // of them: nor has a step that adds so few where most are there
+constexpr double kHardlyMore = 1.1;                  // than the border needs: nor have coarser ones
 constexpr std::size_t kMostSteps = 18;
-constexpr int kTries = 4;              // for a budget
-constexpr int kColdRounds = 3;  // of several windows one: the median is over them
+constexpr int kTries = 4;                           // for a budget
+constexpr int kColdRounds = 3;                      // of several windows one: the median is over them
 constexpr int kLeastRounds = 5, kMostRounds = 101;  // of warm answers
-constexpr double kRoundsSeconds = 2;               // enough, after the least
+constexpr double kRoundsSeconds = 2;                // enough, after the least
 constexpr std::int32_t kLeastWindow = 17, kMostWindow = 4097;
 constexpr std::int32_t kMapSide = 700, kMapsSide = 342;  // cells of one map alone, of one of several
 
-// For the time left: what a tolerance takes, in times of what it took to count its vertices, and the share of that which is
-// not asking again. Measured on windows of 1025 × 1025 of Taiwan.
+// For the time left: what a tolerance takes, in times of what it took to count its vertices, and the share of that
+// which is not asking again. Measured on windows of 1025 × 1025 of Taiwan.
 constexpr double kTimesCounting = 20, kFirstShare = 0.8;
 
 template <class T>
@@ -96,11 +97,13 @@ class Study {
     const Snapshot now = open().snapshot();
     description_ = report.description = now.description();
     report.threads = threads_or_all(options.threads);
-    if (const auto& r = options.region; r && (r->cols() < 1 || r->rows() < 1 || !description_.extent.contains(r->first) ||
-                                              !description_.extent.contains(r->last))) {
+    if (const auto& r = options.region;
+        r && (r->cols() < 1 || r->rows() < 1 || !description_.extent.contains(r->first) ||
+              !description_.extent.contains(r->last))) {
       throw Failure(Cause::invalid_argument, "the region to measure is empty or reaches out of the extent");
     }
-    AskedWindows asked = windows_of(now, options.region.value_or(description_.extent), options.region.has_value(), options.window);
+    AskedWindows asked =
+        windows_of(now, options.region.value_or(description_.extent), options.region.has_value(), options.window);
     report.windows = std::move(asked.windows);
     report.is_whole = asked.is_whole;
     report.places = asked.places;
@@ -146,11 +149,12 @@ class Study {
   void require_sense() const {
     for (const Metres tolerance : options_.tolerances) {
       if (!(tolerance.value >= 0) || !std::isfinite(tolerance.value))
-        throw Failure(Cause::invalid_argument, fmt::format("a tolerance of {} m: expected 0 or more, finite", tolerance.value));
+        throw Failure(Cause::invalid_argument,
+                      fmt::format("a tolerance of {} m: expected 0 or more, finite", tolerance.value));
     }
     if (options_.window && (*options_.window < kLeastWindow || *options_.window > kMostWindow)) {
-      throw Failure(Cause::invalid_argument, fmt::format("a window of {} samples a side: expected {} to {}", *options_.window,
-                                                         kLeastWindow, kMostWindow));
+      throw Failure(Cause::invalid_argument, fmt::format("a window of {} samples a side: expected {} to {}",
+                                                         *options_.window, kLeastWindow, kMostWindow));
     }
   }
 
@@ -201,6 +205,8 @@ class Study {
         if (std::isfinite(error)) largest = std::max(largest, error);
       }
     }
+    // Beside voids errors may be larger than any distance between surface and sample can be.
+    largest = std::min(largest, (description_.maximum - description_.minimum) * description_.metres_per_unit);
     // Below this answers are all the same.
     const double floor = std::max(description_.lossy_metres, description_.finest_tolerance);
     if (!(largest > floor)) {
@@ -208,12 +214,19 @@ class Study {
       return;
     }
     const std::uint64_t border = vertices_at(now, Metres{std::numeric_limits<double>::infinity()});
+    double before = 0;
     for (int step = round_step_below(largest); steps_.size() < kMostSteps; --step) {
       const double tolerance = std::max(round_number(step), floor);
       const auto vertices = static_cast<double>(add_step(now, Metres{tolerance}));
       // Of steps that need next to nothing the last is enough.
       if (steps_.size() == 2 && vertices <= kHardlyMore * static_cast<double>(border)) steps_.erase(steps_.begin());
-      if (tolerance <= floor || vertices >= kHardlyLess * static_cast<double>(finest)) return;
+      const double all = static_cast<double>(finest);
+      if (tolerance <= floor || vertices >= kHardlyLess * all) return;
+      if (before >= kMost * all && vertices - before <= kHardlyGained * all) {
+        steps_.pop_back();
+        return;
+      }
+      before = vertices;
     }
   }
 
@@ -309,7 +322,8 @@ class Study {
   void measure_warm(std::span<AccuracyPoint* const> points, double share) {
     std::vector<Rounds> rounds(points.size());
     const Snapshot now = open().snapshot();
-    for (const GridRect& window : report.windows) static_cast<void>(now.range(window, points.back()->tolerance));  // into memory
+    for (const GridRect& window : report.windows)
+      static_cast<void>(now.range(window, points.back()->tolerance));  // into memory
     double seconds = 0;
     for (int round = 0; round < kLeastRounds || (round < kMostRounds && seconds < kRoundsSeconds); ++round) {
       const Stopwatch stopwatch(seconds);
@@ -333,21 +347,20 @@ class Study {
     return [this, window](GridRect part) { return part_of(truth_[window], part); };
   }
 
-  /// What an answer takes, or a finer one took: it does no more than that one, so that it was slower is the machine's doing.
+  /// What an answer takes, or a finer one took: it does no more than that one, so that it was slower is the machine's
+  /// doing.
   [[nodiscard]] double seconds_for(std::size_t point) const {
     double seconds = report.points[point].warm_seconds;
-    for (std::size_t i = point; i < report.points.size(); ++i) seconds = std::min(seconds, report.points[i].warm_seconds);
+    for (std::size_t i = point; i < report.points.size(); ++i)
+      seconds = std::min(seconds, report.points[i].warm_seconds);
     return seconds;
   }
 
-  /// A round time amid the measured ones.
+  /// What the tolerance amid the measured ones takes, as a round number.
   [[nodiscard]] double usual_budget() const {
-    const double least = seconds_for(0), most = seconds_for(report.points.size() - 1);
-    const double middle = std::sqrt(least * std::max(most, least));
-    for (const int step : {round_step_below(middle), round_step_below(middle) + 1}) {
-      if (round_number(step) >= least && round_number(step) < most) return round_number(step);
-    }
-    return two_digits(middle);
+    const std::size_t last = report.points.size() - 1;
+    const double amid = seconds_for(last / 2), round = round_number(round_step_below(amid) + 1);
+    return round < seconds_for(last) ? round : two_digits(amid);
   }
 
   /// Between the two points that bracket the budget a straight line in logarithms says where to ask first.
@@ -366,7 +379,8 @@ class Study {
     if (!(fine.tolerance.value > 0)) return;
     const double least = seconds_for(over - 1), most = seconds_for(over);
     const double share = std::log(advice.budget_seconds / least) / std::log(most / least);
-    double tolerance = coarse.tolerance.value * std::pow(fine.tolerance.value / coarse.tolerance.value, std::clamp(share, 0.0, 1.0));
+    double tolerance =
+        coarse.tolerance.value * std::pow(fine.tolerance.value / coarse.tolerance.value, std::clamp(share, 0.0, 1.0));
     for (int i = 0; i < kTries; ++i) {
       tolerance = std::max(two_digits(tolerance), fine.tolerance.value);
       if (tolerance >= coarse.tolerance.value || tolerance == fine.tolerance.value) return;
@@ -402,7 +416,8 @@ class Study {
     map.error_m.assign(cells, std::numeric_limits<float>::quiet_NaN());
     map.height_m.assign(cells, std::numeric_limits<float>::quiet_NaN());
     const auto cell = [&](GridPoint p) {
-      const auto col = (std::int64_t{p.col} - window.first.col) / map.step, row = (std::int64_t{p.row} - window.first.row) / map.step;
+      const auto col = (std::int64_t{p.col} - window.first.col) / map.step,
+                 row = (std::int64_t{p.row} - window.first.row) / map.step;
       return static_cast<std::size_t>(row * map.cols + col);
     };
     static_cast<void>(true_error(mesh, description_, truth_of(w), [&](GridPoint p, double metres) {
@@ -424,7 +439,8 @@ class Study {
       if (counts[at] > 0) map.height_m[at] = static_cast<float>(sums[at] / counts[at]);
     }
     const GridMapping& m = description_.mapping;
-    const double x = (m.x(window.first.col) + m.x(window.last.col)) / 2, y = (m.y(window.first.row) + m.y(window.last.row)) / 2;
+    const double x = (m.x(window.first.col) + m.x(window.last.col)) / 2,
+                 y = (m.y(window.first.row) + m.y(window.last.row)) / 2;
     map.width_m = ground.metres({m.x(window.first.col), y}, {m.x(window.last.col), y});
     map.height_on_ground_m = ground.metres({x, m.y(window.first.row)}, {x, m.y(window.last.row)});
     return map;

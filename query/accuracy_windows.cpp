@@ -18,7 +18,7 @@ constexpr std::int32_t kWindow = 1025;                           // samples a si
 constexpr std::int64_t kWhole = std::int64_t{2049} * 2049;       // samples that are asked about as they are
 constexpr std::int64_t kWholeNamed = std::int64_t{4097} * 4097;  // and if named; all windows together have no more
 constexpr std::int64_t kMostWindows = 9;
-constexpr double kMostPlaces = 1024;   // looked at
+constexpr double kMostPlaces = 1024;    // looked at
 constexpr double kTerrainShare = 0.03;  // of all samples: a tolerance that needs as many tells terrain from flat sea
 constexpr std::int64_t kFlatSamples = 128;  // one vertex in so many samples, and fewer, is flat, or the rim of a void
 
@@ -26,7 +26,8 @@ struct Span {
   std::int32_t first, last;
 };
 
-/// Windows side by side in a line of samples, at multiples of their width where one fits. Where they are many, every nth.
+/// Windows side by side in a line of samples, at multiples of their width where one fits. Where they are many, every
+/// nth.
 std::vector<Span> spans(std::int32_t first, std::int32_t last, std::int32_t cells) {
   if (std::int64_t{last} - first <= cells) return {{first, last}};
   std::int64_t at = static_cast<std::int64_t>(std::ceil(static_cast<double>(first) / cells)) * cells;
@@ -86,7 +87,7 @@ AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named, std
   };
   const auto nothing = [&] {
     const char* why = region.cols() == 1 || region.rows() == 1 ? "it is one sample wide or high"
-                                                                : "it holds no three neighbouring samples of data";
+                                                               : "it holds no three neighbouring samples of data";
     return Failure(Cause::invalid_argument,
                    fmt::format("nothing to measure: no answer about the region has a triangle, for {}", why));
   };
@@ -113,7 +114,8 @@ AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named, std
   const std::vector<GridRect>& from = with_terrain.empty() ? with_data : with_terrain;
   if (from.empty()) throw nothing();
   const std::int64_t room = kWholeNamed / (std::int64_t{width} * width);
-  const auto count = std::min<std::size_t>(static_cast<std::size_t>(std::clamp<std::int64_t>(room, 1, kMostWindows)), from.size());
+  const auto count =
+      std::min<std::size_t>(static_cast<std::size_t>(std::clamp<std::int64_t>(room, 1, kMostWindows)), from.size());
   for (std::size_t i = 0; i < count; ++i) asked.windows.push_back(from[(2 * i + 1) * from.size() / (2 * count)]);
   return asked;
 }

@@ -21,6 +21,7 @@ struct AskedWindows {
 /// is_named  the caller named the region, which is then asked about itself up to a larger size
 /// side      samples a side of windows, if the caller wants them
 /// fails     invalid_argument: nothing there has a triangle
-[[nodiscard]] AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named, std::optional<std::int32_t> side);
+[[nodiscard]] AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named,
+                                      std::optional<std::int32_t> side);
 
 }  // namespace talus

@@ -10,6 +10,7 @@
 // Six verbs: ingest, open, snapshot, range, triangulate, verify. Each of their headers says shapes,
 // units, failures and cost; docs/architecture.md shows the way of the data through the folders.
 
+#include "talus/accuracy.hpp"
 #include "talus/database.hpp"
 #include "talus/description.hpp"
 #include "talus/failure.hpp"

@@ -46,8 +46,8 @@ class Accuracy : public Command {
     const auto& advice = json["recommendation"];
     ASSERT_TRUE(advice.contains("tolerance")) << advice;
     for (const auto& window : json["windows"]) {
-      const auto answer =
-          json_of(talus({"query", "a.talus", "--tolerance", advice["tolerance"].dump(), bbox(window["bbox"]), "--json"}));
+      const auto answer = json_of(
+          talus({"query", "a.talus", "--tolerance", advice["tolerance"].dump(), bbox(window["bbox"]), "--json"}));
       EXPECT_LE(answer["vertices"], advice["vertices"]);
       if (is_whole) {
         EXPECT_EQ(answer["vertices"], advice["vertices"]);
@@ -67,8 +67,9 @@ class Accuracy : public Command {
 TEST_F(Accuracy, PrintsATableAndARecommendation) {
   const Outcome outcome = talus({"accuracy", "a.talus", "--tolerances", "50,5,0.5"});
   EXPECT_EQ(outcome.exit_code, done) << outcome.err;
-  for (const char* word : {"question", "truth", "warm", "cold", "tolerance", "largest", "95 %", "RMS", "vertices", "triangles", "stream", "\n50 m ", "\n5 m ",
-                           "\n0.5 m ", "you pay", "talus query a.talus --tolerance"}) {
+  for (const char* word :
+       {"question", "truth", "warm", "cold", "tolerance", "largest", "95 %", "RMS", "vertices", "triangles", "stream",
+        "\n50 m ", "\n5 m ", "\n0.5 m ", "you pay", "talus query a.talus --tolerance"}) {
     EXPECT_THAT(outcome.out, ::testing::HasSubstr(word));
   }
   EXPECT_EQ(outcome.err, "");
@@ -90,7 +91,8 @@ TEST_F(Accuracy, InJsonEachPointHasItsFigures) {
     tolerance = point["tolerance"];
     vertices = point["vertices"];
     // The same as the judge of verify finds.
-    const auto verified = json_of(talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", point["tolerance"].dump(), "--json"}));
+    const auto verified =
+        json_of(talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", point["tolerance"].dump(), "--json"}));
     EXPECT_EQ(verified["true_error"], point["largest_error"]);
     EXPECT_EQ(verified["vertices"], point["vertices"]);
     EXPECT_EQ(verified["triangles"], point["triangles"]);
@@ -191,8 +193,10 @@ TEST_F(Accuracy, BadInputIsRefusedAndNothingIsLeft) {
   refused({"a.talus", "--against", "elsewhere.tif"}, usage, "elsewhere.tif");
   refused({"a.talus", "--against", "smaller.tif"}, usage, "smaller.tif");
   refused({"a.talus", "--against", "none.tif"}, failed, "none.tif");
-  for (const char* bad : {"", ",", "1,", "1,,2", "-1", "nan", "inf", "1,nan", "1;2", "two"}) refused({"a.talus", "--tolerances", bad}, usage, "--tolerances");
-  for (const char* bad : {"", "10", "0ms", "-1s", "nans", "infs", "ms"}) refused({"a.talus", "--time", bad}, usage, "--time");
+  for (const char* bad : {"", ",", "1,", "1,,2", "-1", "nan", "inf", "1,nan", "1;2", "two"})
+    refused({"a.talus", "--tolerances", bad}, usage, "--tolerances");
+  for (const char* bad : {"", "10", "0ms", "-1s", "nans", "infs", "ms"})
+    refused({"a.talus", "--time", bad}, usage, "--time");
   refused({"a.talus", "--window", "16"}, usage, "--window");
   refused({"a.talus", "--map", "5"}, usage, "--output");
   refused({"a.talus", "--map", "-5", "-o", "r.svg"}, usage, "--map");
@@ -215,9 +219,11 @@ TEST_F(Accuracy, AFullDiskStopsAReportAndNothingIsLeft) {
   const std::string mount = "mount -t tmpfs -o size=8k none small";
   RunOptions options;
   options.folder = folder.path().string();
-  if (run_program({"unshare", "-rm", "sh", "-c", mount}, options).exit_code != 0) GTEST_SKIP() << "a small file system cannot be mounted here";
+  if (run_program({"unshare", "-rm", "sh", "-c", mount}, options).exit_code != 0)
+    GTEST_SKIP() << "a small file system cannot be mounted here";
   const std::string command = std::string(TALUS_PROGRAM) + " accuracy a.talus --tolerances 10 -o small/r.svg";
-  const Outcome outcome = run_program({"unshare", "-rm", "sh", "-c", mount + "; " + command + "; code=$?; ls small; exit $code"}, options);
+  const Outcome outcome =
+      run_program({"unshare", "-rm", "sh", "-c", mount + "; " + command + "; code=$?; ls small; exit $code"}, options);
   EXPECT_EQ(outcome.exit_code, disk_full) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, ::testing::HasSubstr("r.svg"));

@@ -1,4 +1,5 @@
-// What measure_accuracy says, held against sums over all samples that share no code with it. No time is held to anything.
+// What measure_accuracy says, held against sums over all samples that share no code with it. No time is held to
+// anything.
 
 #include "talus/accuracy.hpp"
 
@@ -253,7 +254,8 @@ TEST_F(Accuracy, AMapHasTheFarthestSampleOfEachCellWithItsSign) {
           sum += raster.at(col, row);
           ++count;
           const auto height = surface.height({double(col), double(row)});
-          if (height && !(std::abs(*height - raster.at(col, row)) <= std::abs(farthest))) farthest = *height - raster.at(col, row);
+          if (height && !(std::abs(*height - raster.at(col, row)) <= std::abs(farthest)))
+            farthest = *height - raster.at(col, row);
         }
       }
       const auto at = static_cast<std::size_t>(y * map.cols + x);
@@ -305,7 +307,11 @@ TEST_F(Accuracy, WhatHasNoAnswerIsRefused) {
     options.tolerances = {Metres{1}, Metres{bad}};
     EXPECT_EQ(cause(options), Cause::invalid_argument) << bad;
   }
-  for (const GridRect region : {GridRect{{10, 10}, {40, 40}}, {{0, 80}, {0, 89}}, {{100, 80}, {140, 80}}, {{140, 80}, {160, 89}}, {{9, 9}, {5, 5}}}) {
+  for (const GridRect region : {GridRect{{10, 10}, {40, 40}},
+                                {{0, 80}, {0, 89}},
+                                {{100, 80}, {140, 80}},
+                                {{140, 80}, {160, 89}},
+                                {{9, 9}, {5, 5}}}) {
     AccuracyOptions options;
     options.region = region;
     EXPECT_EQ(cause(options), Cause::invalid_argument) << region.first.col << " " << region.first.row;

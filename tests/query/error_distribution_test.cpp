@@ -57,7 +57,8 @@ TEST(ErrorDistribution, OfWholeAndHalfMetresIsExact) {
     all.push_back(0.5 * random.between(0, 100));
     found.add(all.back());
   }
-  for (int percent = 1; percent <= 100; ++percent) EXPECT_EQ(found.within(percent / 100.0), sorted_within(all, percent / 100.0));
+  for (int percent = 1; percent <= 100; ++percent)
+    EXPECT_EQ(found.within(percent / 100.0), sorted_within(all, percent / 100.0));
 }
 
 TEST(ErrorDistribution, OfNothingIsZeroAndOfInfinityInfinite) {
