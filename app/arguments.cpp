@@ -44,6 +44,36 @@ Metres parse_tolerance(const std::string& word, const char* option) {
   return Metres{std::abs(*value)};  // -0 is 0
 }
 
+std::vector<Metres> parse_tolerances(const std::string& word, const char* option) {
+  const std::vector<double> numbers = numbers_in(word);
+  std::vector<Metres> tolerances;
+  for (const double value : numbers) {
+    if (value >= 0) tolerances.emplace_back(std::abs(value));  // -0 is 0
+  }
+  if (tolerances.empty() || tolerances.size() < numbers.size()) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} takes metres, 0 or more, with commas between; \"{}\" is not that", option, word));
+  }
+  return tolerances;
+}
+
+double parse_time(const std::string& word) {
+  std::string_view digits = word;
+  double unit = 0;
+  if (digits.ends_with("ms")) {
+    unit = 1e-3;
+    digits.remove_suffix(2);
+  } else if (digits.ends_with("s")) {
+    unit = 1;
+    digits.remove_suffix(1);
+  }
+  const std::optional<double> value = number(digits);
+  if (unit == 0 || !value || !(*value * unit > 0) || !std::isfinite(*value)) {
+    throw Failure(Cause::invalid_argument, fmt::format("--time takes a time, as 10ms or 0.5s; \"{}\" is not that", word));
+  }
+  return *value * unit;
+}
+
 Rectangle parse_bbox(const std::string& word) {
   const std::vector<double> numbers = numbers_in(word);
   if (numbers.size() != 4) {
@@ -172,7 +202,7 @@ std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
     const std::string& word = arguments[i];
     const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--from" ||
                               word == "--void-weight" || word == "--focus" || word == "--line" || word == "--point" ||
-                              word == "--surface";
+                              word == "--surface" || word == "--tolerances" || word == "--time" || word == "--map";
     if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
         arguments[i + 1][1] != '-') {
       joined.push_back(word + "=" + arguments[++i]);

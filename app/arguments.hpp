@@ -15,6 +15,10 @@ namespace talus::app {
 
 /// Metres from 0 to "inf". Fails with invalid_argument, naming option and value.
 [[nodiscard]] Metres parse_tolerance(const std::string& word, const char* option = "--tolerance");
+/// "1,5,20": metres, 0 or more, finite; at least one.
+[[nodiscard]] std::vector<Metres> parse_tolerances(const std::string& word, const char* option = "--tolerances");
+/// "10ms", "0.5s": seconds, more than 0, finite.
+[[nodiscard]] double parse_time(const std::string& word);
 /// "XMIN,YMIN,XMAX,YMAX", four finite numbers; which is larger is the query's business.
 [[nodiscard]] Rectangle parse_bbox(const std::string& word);
 /// "X,Y,X,Y" and so on, two points or more, finite numbers.

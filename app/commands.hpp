@@ -19,6 +19,7 @@ void add_height(CLI::App& program, Action& action);
 void add_profile(CLI::App& program, Action& action);
 void add_merge(CLI::App& program, Action& action);
 void add_convert(CLI::App& program, Action& action);
+void add_accuracy(CLI::App& program, Action& action);
 void add_verify(CLI::App& program, Action& action);
 
 }  // namespace talus::app

@@ -36,22 +36,6 @@ std::string name_of(const std::vector<BandCost>& bands, std::size_t band) {
   return fmt::format("{} to {}", bands[band].spacing, bands[band + 1].spacing / 2);
 }
 
-/// The first column flush left, the others right.
-std::string aligned(const std::vector<std::vector<std::string>>& lines) {
-  std::vector<std::size_t> widths;
-  for (const auto& line : lines) {
-    widths.resize(std::max(widths.size(), line.size()));
-    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    text += line.size() == 1 ? line.front() : fmt::format("{:<{}}", line.front(), widths.front());
-    for (std::size_t i = 1; i < line.size(); ++i) text += fmt::format("  {:>{}}", line[i], widths[i]);
-    text += '\n';
-  }
-  return text;
-}
-
 }  // namespace
 
 void Stages::add(const QueryCost& cost) {

@@ -60,6 +60,7 @@ Exit run(std::vector<std::string> arguments) {
   add_profile(program, action);
   add_merge(program, action);
   add_convert(program, action);
+  add_accuracy(program, action);
   add_verify(program, action);
 
   const std::string first = arguments.empty() ? "" : arguments.front();
@@ -72,8 +73,8 @@ Exit run(std::vector<std::string> arguments) {
     return std::fflush(stdout) == 0 ? Exit::done : complain("cannot write to standard output", Exit::failed);
   } catch (const CLI::ParseError& error) {
     if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
-      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query, height, profile, merge, convert "
-                                  "and verify",
+      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query, height, profile, merge, convert, "
+                                  "accuracy and verify",
                                   first),
                       Exit::usage);
     }

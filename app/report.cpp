@@ -29,6 +29,21 @@ std::string Table::text() const {
   return text;
 }
 
+std::string aligned(const std::vector<std::vector<std::string>>& lines) {
+  std::vector<std::size_t> widths;
+  for (const auto& line : lines) {
+    widths.resize(std::max(widths.size(), line.size()));
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    text += line.size() == 1 ? line.front() : fmt::format("{:<{}}", line.front(), widths.front());
+    for (std::size_t i = 1; i < line.size(); ++i) text += fmt::format("  {:>{}}", line[i], widths[i]);
+    text += '\n';
+  }
+  return text;
+}
+
 void print(const Json& object) { print(object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); }
 void print(const Table& table) { print(table.text()); }
 

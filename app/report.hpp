@@ -24,6 +24,9 @@ class Table {
   std::vector<std::pair<std::string, std::string>> lines_;
 };
 
+/// Lines of columns: the first flush left, the others right; a line of one column may be longer.
+[[nodiscard]] std::string aligned(const std::vector<std::vector<std::string>>& lines);
+
 /// Fails with io or full where standard output does.
 void print(const Json& object);
 void print(const Table& table);

@@ -8,8 +8,8 @@
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/report.hpp"
+#include "app/truth.hpp"
 #include "talus/database.hpp"
-#include "talus/ingest.hpp"
 
 namespace talus::app {
 namespace {
@@ -18,33 +18,12 @@ struct Request {
   std::string database, tolerance;
   std::vector<std::string> against;
   bool json = false;
-
-  [[nodiscard]] std::string against_name() const {
-    return against.size() == 1 ? against.front() : fmt::format("{} and {} more", against.front(), against.size() - 1);
-  }
 };
 
 VerifyReport check(const Request& request, std::optional<Metres> tolerance) {
   const Snapshot now = Database::open(request.database).snapshot();
   if (request.against.empty()) return verify(now);
-  InputOptions inputs;
-  inputs.height_step = 2 * now.description().lossy_metres;  // heights are held against those the database rounded
-  const Raster raster({request.against.begin(), request.against.end()}, inputs);
-  const GridRect ours = now.description().extent, theirs = raster.description().extent;
-  if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
-                    request.database, ours.cols(), ours.rows(), request.against_name(), theirs.cols(), theirs.rows()));
-  }
-  // Joined otherwise, the same raster may count its samples from another corner.
-  const std::int32_t east = theirs.first.col - ours.first.col, south = theirs.first.row - ours.first.row;
-  const SampleReader truth = [&](GridRect part) {
-    SampleWindow window = raster.read({{part.first.col + east, part.first.row + south},
-                                       {part.last.col + east, part.last.row + south}});
-    window.region = part;
-    return window;
-  };
+  const SampleReader truth = open_truth(request.against, now.description(), request.database);
   return tolerance ? verify(now, truth, *tolerance) : verify(now, truth);
 }
 
@@ -76,7 +55,7 @@ Table to_table(const Request& request, const VerifyReport& report, std::optional
   Table table;
   std::string checked = fmt::format("{} pages", counted(report.pages));
   if (!request.against.empty()) {
-    checked += fmt::format(", {} samples against {}", counted(report.samples), request.against_name());
+    checked += fmt::format(", {} samples against {}", counted(report.samples), name_of(request.against));
   }
   table.add("checked", checked);
   if (report.true_error) {

@@ -115,7 +115,8 @@ std::vector<std::uint32_t> from_north_to_south(const Mesh& mesh) {
 
 }  // namespace
 
-TrueError true_error(const Mesh& mesh, const Description& description, const SampleReader& truth) {
+TrueError true_error(const Mesh& mesh, const Description& description, const SampleReader& truth,
+                     const ErrorVisitor& visit) {
   TrueError result;
   const GridRect& region = mesh.region;
   if (region.cols() < 1 || region.rows() < 1) return result;
@@ -124,7 +125,6 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
   const std::int64_t strip_rows = std::max(kLeastStripRows, kStripSamples / region.cols());
   std::vector<std::uint32_t> reaching;  // triangles that began north of the strip and are not done
   std::size_t next = 0;
-  long double largest = 0;
 
   for (std::int64_t top = region.first.row; top <= region.last.row; top += strip_rows) {
     const auto first = static_cast<std::int32_t>(top);
@@ -133,7 +133,8 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
     const SampleWindow window = truth({{region.first.col, std::max(first - 1, region.first.row)},
                                        {region.last.col, std::min(last + 1, region.last.row)}});
     const std::vector<std::uint8_t> covered = covered_samples(window);
-    std::vector<std::uint8_t> touched(covered.size(), 0);
+    constexpr double kUntouched = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> farthest(covered.size(), kUntouched);  // surface less sample, in metres
 
     while (next < order.size() && Facet(mesh, mesh.triangles[order[next]]).first_row() <= last) {
       reaching.push_back(order[next++]);
@@ -147,24 +148,29 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
           if (col < region.first.col || col > region.last.col) return;
           const std::size_t at = start + static_cast<std::size_t>(std::int64_t{col} - region.first.col);
           if (!window.valid[at]) return;
-          touched[at] = 1;
-          const long double distance = std::abs(surface - window.values[at]);
-          if (!(distance <= largest)) {  // a NaN is as wrong as it gets
-            largest = std::isnan(distance) ? std::numeric_limits<long double>::infinity() : distance;
-          }
+          auto error = static_cast<double>((surface - window.values[at]) * description.metres_per_unit);
+          if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // as wrong as it gets
+          if (!(std::abs(error) <= std::abs(farthest[at]))) farthest[at] = error;
         });
       }
       if (facet.last_row() > last) reaching[kept++] = id;
     }
     reaching.resize(kept);
 
-    for (std::size_t i = window.index({region.first.col, first}); i <= window.index({region.last.col, last}); ++i) {
-      result.covered += covered[i];
-      result.uncovered += covered[i] != 0 && touched[i] == 0;
-      result.stray += window.valid[i] != 0 && covered[i] == 0 && touched[i] == 0;
+    std::size_t i = window.index({region.first.col, first});
+    for (std::int32_t row = first; row <= last; ++row) {
+      for (std::int64_t col = region.first.col; col <= region.last.col; ++col, ++i) {
+        const bool touched = !std::isnan(farthest[i]);
+        result.covered += covered[i];
+        result.uncovered += covered[i] != 0 && !touched;
+        result.stray += window.valid[i] != 0 && covered[i] == 0 && !touched;
+        if (!touched) continue;
+        result.errors.add(std::abs(farthest[i]));
+        if (visit) visit({static_cast<std::int32_t>(col), row}, farthest[i]);
+      }
     }
   }
-  result.largest_m = static_cast<double>(largest * description.metres_per_unit);
+  result.largest_m = result.errors.largest();
   return result;
 }
 

@@ -2,7 +2,9 @@
 // The judge: a mesh held against every sample.
 
 #include <cstdint>
+#include <functional>
 
+#include "query/error_distribution.hpp"
 #include "talus/database.hpp"
 #include "talus/description.hpp"
 #include "talus/quadtree.hpp"
@@ -14,15 +16,22 @@ struct TrueError {
   std::uint64_t covered = 0;    ///< corners of valid finest triangles inside the mesh's region
   std::uint64_t uncovered = 0;  ///< of those, the ones no triangle of the mesh touches
   std::uint64_t stray = 0;      ///< valid samples that are not covered and that no triangle touches
+  /// Of the valid samples that a triangle touches, each once: on an edge it counts with the triangle that is farther.
+  ErrorDistribution errors;
 };
+
+/// Told of a judged sample: metres of the surface above it, below 0 where the surface runs under it.
+using ErrorVisitor = std::function<void(GridPoint sample, double metres)>;
 
 /// Brute force, and nothing of it shared with the code that made the mesh: each triangle is laid over
 /// each sample in it. A finest triangle is half a cell, cut from the corner with an even sum of column
 /// and row to the other one, and valid iff its three corners are.
 ///
 /// truth   called with strips of whole rows of `mesh.region`, from north to south, overlapping by two rows
+/// visit   if given, told of each sample of `errors`, row by row
 /// fails   as `truth` does
 /// cost    time linear in samples + triangles; memory 4 bytes a triangle and a strip of samples
-TrueError true_error(const Mesh& mesh, const Description& description, const SampleReader& truth);
+TrueError true_error(const Mesh& mesh, const Description& description, const SampleReader& truth,
+                     const ErrorVisitor& visit = {});
 
 }  // namespace talus

@@ -11,6 +11,7 @@
 // units, failures and cost; docs/architecture.md shows the way of the data through the folders.
 
 #include "talus/bitree.hpp"
+#include "talus/accuracy.hpp"
 #include "talus/database.hpp"
 #include "talus/description.hpp"
 #include "talus/failure.hpp"

@@ -18,6 +18,7 @@
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include "query/export/png_bytes.hpp"
 #include "query/export/writers.hpp"
 #include "talus/failure.hpp"
 
@@ -313,38 +314,15 @@ std::vector<std::uint8_t> paint(const Mesh& mesh, const Description& description
   return rgb;
 }
 
-// GDAL's own file in memory: no side files, and the bytes go out like those of any other format.
-void encode(std::vector<std::uint8_t>& rgb, const Canvas& canvas, OutputFile& out) {
-  struct Close {
-    void operator()(void* dataset) const { GDALClose(dataset); }
-  };
-  const std::string name = fmt::format("/vsimem/talus-{}.png", static_cast<const void*>(&out));
-  const auto require = [&](bool done) {
-    if (!done) throw Failure(Cause::io, fmt::format("cannot make a PNG picture: {}", CPLGetLastErrorMsg()));
-  };
-  GDALDriverH memory = GDALGetDriverByName("MEM"), png = GDALGetDriverByName("PNG");
-  if (memory == nullptr || png == nullptr) throw Failure(Cause::unsupported, "this GDAL writes no PNG pictures");
-  const std::unique_ptr<void, Close> picture{GDALCreate(memory, "", canvas.width, canvas.height, 3, GDT_Byte, nullptr)};
-  require(picture != nullptr);
-  require(GDALDatasetRasterIO(picture.get(), GF_Write, 0, 0, canvas.width, canvas.height, rgb.data(), canvas.width,
-                              canvas.height, GDT_Byte, 3, nullptr, 3, 3 * canvas.width, 1) == CE_None);
-  std::unique_ptr<void, Close> copy{GDALCreateCopy(png, name.c_str(), picture.get(), FALSE, nullptr, nullptr, nullptr)};
-  require(copy != nullptr);
-  copy.reset();
-  vsi_l_offset size = 0;
-  const std::unique_ptr<GByte, decltype(&VSIFree)> bytes{VSIGetMemFileBuffer(name.c_str(), &size, TRUE), &VSIFree};
-  require(bytes != nullptr);
-  out.write(bytes.get(), static_cast<std::size_t>(size));
-}
-
 }  // namespace
 
 void write_png(const Mesh& mesh, const Description& description, OutputFile& out) {
   const Quiet quiet;
   const CellSides cell = cell_sides(description, mesh.region);
   const Canvas canvas{mesh.region, cell};
-  std::vector<std::uint8_t> rgb = paint(mesh, description, canvas, cell);
-  encode(rgb, canvas, out);
+  const std::vector<std::byte> picture =
+      png_bytes(paint(mesh, description, canvas, cell), canvas.width, canvas.height);
+  out.write(picture.data(), picture.size());
 }
 
 }  // namespace talus

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +101,37 @@ TEST(TrueError, AHeightThatIsNoNumberIsInfinitelyWrong) {
   Mesh mesh = two_triangles({{0, 0}, {4, 4}}, plane);
   mesh.heights[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(std::isinf(true_error(mesh, {}, reader(plane)).largest_m));
+}
+
+TEST(TrueError, CountsEachSampleOnceWithItsSign) {
+  // Along the diagonal two triangles meet, and at the corners two or one.
+  const GridRect region{{-5, 2}, {35, 42}};
+  const auto height = [](auto col, auto row) { return plane(col, row) + (col + row) % 5 - 2; };
+  std::vector<int> visits(41 * 41, 0);
+  const TrueError found = true_error(two_triangles(region, plane), {}, reader(height), [&](GridPoint p, double metres) {
+    ++visits[static_cast<std::size_t>((p.row - 2) * 41 + p.col + 5)];
+    EXPECT_DOUBLE_EQ(metres, 2 - (p.col + p.row) % 5);
+  });
+  EXPECT_EQ(visits, std::vector<int>(41 * 41, 1));
+  double squares = 0;
+  for (std::int32_t row = 2; row <= 42; ++row) {
+    for (std::int32_t col = -5; col <= 35; ++col) squares += ((col + row) % 5 - 2) * ((col + row) % 5 - 2);
+  }
+  EXPECT_EQ(found.errors.samples(), 41u * 41u);
+  EXPECT_NEAR(found.errors.rms(), std::sqrt(squares / (41 * 41)), 1e-12);
+  EXPECT_EQ(found.errors.largest(), found.largest_m);
+}
+
+TEST(TrueError, WhereSurfacesOverlapTheFartherCounts) {
+  Mesh mesh = two_triangles({{0, 0}, {4, 4}}, plane);
+  for (const GridPoint p : {GridPoint{0, 0}, {4, 0}, {0, 4}}) {
+    mesh.points.push_back(p);
+    mesh.heights.push_back(plane(p.col, p.row) - 3);
+  }
+  mesh.triangles.push_back({4, 6, 5});
+  const TrueError found = true_error(mesh, {}, reader(plane));
+  EXPECT_EQ(found.errors.samples(), 25u);
+  EXPECT_NEAR(found.errors.rms(), std::sqrt(15 * 9.0 / 25), 1e-12);  // a half with its diagonal
 }
 
 TEST(TrueError, OfARegionOneSampleWideCoversNothing) {

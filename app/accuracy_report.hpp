@@ -1,0 +1,28 @@
+#pragma once
+// What a measurement of accuracy says: in words, as a table, as JSON, as pictures.
+
+#include <string>
+#include <vector>
+
+#include "app/report.hpp"
+#include "talus/accuracy.hpp"
+
+namespace talus::app {
+
+/// What was asked on the command line, as far as reports name it.
+struct AccuracyNames {
+  std::string database;
+  std::string truth;  ///< of the raster; empty: the database's own samples
+};
+
+/// "For 10 ms you can have 3.2 m; for 1 m you pay 41 ms."
+[[nodiscard]] std::string recommendation(const AccuracyReport& report);
+/// For people at a terminal.
+[[nodiscard]] std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& names);
+[[nodiscard]] Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names);
+/// Curves and maps.
+[[nodiscard]] std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& names);
+/// All of it on one page that needs no other file.
+[[nodiscard]] std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& names);
+
+}  // namespace talus::app

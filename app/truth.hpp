@@ -1,0 +1,22 @@
+#pragma once
+// The raster that a database was made from, to hold answers against.
+
+#include <string>
+#include <vector>
+
+#include "talus/database.hpp"
+
+namespace talus::app {
+
+/// Reads the raster in a database's samples. It keeps the raster open.
+///
+/// against   files, folders and @lists, as ingest takes them; at least one
+/// database  its name, for sentences
+/// fails     as Raster; invalid_argument: another number of samples, or samples in other places
+[[nodiscard]] SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
+                                      const std::string& database);
+
+/// "alps.tif", "north.tif and 3 more".
+[[nodiscard]] std::string name_of(const std::vector<std::string>& against);
+
+}  // namespace talus::app
