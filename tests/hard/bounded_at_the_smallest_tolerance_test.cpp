@@ -27,13 +27,23 @@ TEST(BoundedAtTheSmallestTolerance, IsInfinite) {
   for (const double height : hard_case(1e6).terrain.values) ASSERT_TRUE(std::isinf(naive_rounded(height, kSmallest)));
 }
 
+TEST(BoundedAtTheSmallestTolerance, IsRefusedWhereMultiplesAreNoWholeNumbers) {
+  const HardDatabase database(hard_case(1e6));
+  for (const double tolerance : {kSmallest, 1e-310, 1e-200, 1e-12}) {
+    const FloatExceptions watched;
+    EXPECT_THROW((void)database.now().bounded(database.extent(), Metres{tolerance}), Failure);
+    EXPECT_THROW((void)database.now().quantised(database.extent(), Metres{tolerance}, Metres{tolerance}), Failure);
+    EXPECT_EQ(watched.seen(), "");
+  }
+}
+
 TEST(BoundedAtTheSmallestTolerance, KeepsThePromise) {
   for (const double size : {1e6, 1.0, 1e-300}) {
     const HardDatabase database(hard_case(size));
-    for (const double tolerance : {kSmallest, 1e-310, 1e-300, 1e-200, 1e-12, 1e-9}) {
-      SCOPED_TRACE(::testing::Message() << "heights to " << size << ", tolerance " << tolerance);
+    for (const double tolerance : {1e-15, 1e-9, 1e-6, 1.0, 1e15}) {
+      SCOPED_TRACE(::testing::Message() << "heights to " << size << ", tolerance " << tolerance * size);
       const Answer answer =
-          without_float_exceptions([&] { return database.now().bounded(database.extent(), Metres{tolerance}); });
+          without_float_exceptions([&] { return database.now().bounded(database.extent(), Metres{tolerance * size}); });
       const Mesh mesh = database.streamed(answer.quadtree);
       for (const double height : mesh.heights) ASSERT_TRUE(std::isfinite(height));
     }

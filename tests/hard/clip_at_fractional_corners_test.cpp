@@ -19,7 +19,12 @@ constexpr double kTolerance = 7;
 
 double naive_cut(double from, double to, double t) { return from + t * (to - from); }
 
-HardCase hard_case() { return {.terrain = fit(fractal(140, 90, 23, 1200), SampleType::int16)}; }
+HardCase hard_case() {
+  HardCase hard{.terrain = fractal(140, 90, 23, 1200)};
+  for (double& height : hard.terrain.values) height *= 1.1;  // all bits of a double
+  hard.file.type = SampleType::float64;
+  return hard;
+}
 
 Question question(Frame frame) {
   Question q;

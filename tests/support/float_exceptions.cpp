@@ -13,17 +13,15 @@
 namespace talus::support {
 namespace {
 
-constexpr int kWatched = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
-
 #ifdef TALUS_FLOAT_TRAPS
 
-std::atomic<int> kinds{0};
+std::atomic<int> met{0};
 std::atomic<void*> first_at{nullptr};
 struct sigaction handler_before;
 
 /// Notes the exception and masks all of them in the thread that was stopped, so that its instruction goes through.
 void note(int, siginfo_t* info, void* context) {
-  kinds |= info->si_code == FPE_FLTDIV ? FE_DIVBYZERO : info->si_code == FPE_FLTOVF ? FE_OVERFLOW : FE_INVALID;
+  met |= info->si_code == FPE_FLTDIV ? FE_DIVBYZERO : info->si_code == FPE_FLTOVF ? FE_OVERFLOW : FE_INVALID;
   void* nothing = nullptr;
   first_at.compare_exchange_strong(nothing, info->si_addr);
   auto* const registers = static_cast<ucontext_t*>(context)->uc_mcontext.fpregs;
@@ -35,17 +33,17 @@ void note(int, siginfo_t* info, void* context) {
 
 }  // namespace
 
-FloatExceptions::FloatExceptions() {
+FloatExceptions::FloatExceptions(int kinds) : kinds_(kinds) {
   std::fegetenv(&before_);
   std::feclearexcept(FE_ALL_EXCEPT);
 #ifdef TALUS_FLOAT_TRAPS
-  kinds = 0;
+  met = 0;
   first_at = nullptr;
   struct sigaction handler {};
   handler.sa_sigaction = note;
   handler.sa_flags = SA_SIGINFO;
   sigaction(SIGFPE, &handler, &handler_before);
-  feenableexcept(kWatched);
+  feenableexcept(kinds_);
 #endif
 }
 
@@ -57,10 +55,10 @@ FloatExceptions::~FloatExceptions() {
 }
 
 std::string FloatExceptions::seen() const {
-  int all = std::fetestexcept(kWatched);
+  int all = std::fetestexcept(kinds_);
   std::ostringstream said;
 #ifdef TALUS_FLOAT_TRAPS
-  all |= kinds.load();
+  all |= met.load();
 #endif
   if ((all & FE_INVALID) != 0) said << "invalid ";
   if ((all & FE_DIVBYZERO) != 0) said << "division by zero ";

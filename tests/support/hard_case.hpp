@@ -48,6 +48,7 @@ class HardDatabase {
  private:
   [[nodiscard]] double judge(const Mesh& mesh, double tolerance) const;
   [[nodiscard]] Mesh judged(GridRect region, double tolerance, double& true_error) const;
+  [[nodiscard]] int watched_of_ingest() const;
   void check_samples() const;
   void check_verify(double tolerance) const;
   /// Returns the error it reached at a medium tolerance.
