@@ -235,7 +235,8 @@ bool is_needed(GridRect extent, const VoidMap& voids, GridPoint p) {
   if (extent.contains({p.col - s, p.row - s}) && extent.contains({p.col + s, p.row + s})) {
     return ((voids.half(p, 0) | voids.half(p, 1)) & kData) != 0;
   }
-  return voids.apex_triangles_with_data(p) != 0;
+  // Where they leave the extent, smaller triangles that have it at an end of their hypotenuse may still lie within.
+  return true;
 }
 
 }  // namespace

@@ -34,6 +34,13 @@ std::optional<double> steps_in(const Description& d, Metres quantum) {
 void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
   if (!(quantum.value > 0) || !std::isfinite(quantum.value))
     refuse(fmt::format("quantum {} m: expected a number of metres above 0", quantum.value));
+  // Larger multiples are no whole numbers in doubles, nor in streams.
+  constexpr double kMostQuanta = 1e15;
+  const double largest_m = std::max(std::abs(d.minimum), std::abs(d.maximum)) * d.metres_per_unit;
+  if (largest_m / kMostQuanta > quantum.value) {
+    refuse(fmt::format("quantum {} m: heights reach {} m, which is more than {} multiples of it: expected a larger one",
+                       quantum.value, largest_m, kMostQuanta));
+  }
   if (rounding_of(d, quantum) > tolerance.value) {
     refuse(fmt::format("multiples of {} m can lie {} m from a height, more than the tolerance of {} m: expected a smaller quantum",
                        quantum.value, rounding_of(d, quantum), tolerance.value));

@@ -17,7 +17,7 @@ constexpr double kDecimalRounding = 1e-9;
 /// The largest distance in height codes that is still within a tolerance; -1 if none is.
 double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
   const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
-  double low = 0, high = std::numeric_limits<double>::max();
+  double low = 0, high = std::numeric_limits<double>::max() / std::max(1.0, distance.factor());  // metres do not overflow
   if (!within(0)) return -1;
   if (within(high)) return high;
   for (double middle = 1;; middle = low + (high - low) / 2) {

@@ -120,7 +120,8 @@ class Snapshot {
   ///
   /// quantum  metres; 0: about the tolerance
   /// fails    as range; invalid_argument: a tolerance of 0 or infinity, a quantum that lies farther from heights than the
-  ///          tolerance; unsupported: a database that keeps the vertices of a tolerance only
+  ///          tolerance, or of which heights are more than 10¹⁵ multiples; unsupported: a database that keeps the vertices
+  ///          of a tolerance only
   /// cost     memory: 9 bytes a sample of the region. Time: a few times that of range
   [[nodiscard]] Answer bounded(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
 
@@ -134,7 +135,7 @@ class Snapshot {
 
   /// range at the tolerance less what rounding to a quantum costs, rounded: more vertices, but nested, so that increments of
   /// the same quantum go on from it.
-  /// fails  as range; invalid_argument: a quantum of 0, or one that lies farther from heights than the tolerance
+  /// fails  as range; invalid_argument: a quantum of 0, or as bounded
   [[nodiscard]] Answer quantised(GridRect region, Metres tolerance, Metres quantum) const;
   /// What such an answer lacks of a finer one.
   /// fails  as increment and quantised

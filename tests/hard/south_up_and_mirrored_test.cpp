@@ -15,8 +15,8 @@ Terrain ground() {
   return hole(terrain, 0, 1000, 20, 1099);
 }
 
-/// Where a sample of row `row` in the file stands, if the first row were the northernmost.
-int naive_row(int row) { return row; }
+/// The height at a sample, found where it would be if the first row of the file were the northernmost.
+double naive_height(const Terrain& file, int col, int row) { return file.at(col, row); }
 
 void expect_promise(double dx, double dy) {
   HardCase hard{.terrain = ground()};
@@ -31,8 +31,10 @@ void expect_promise(double dx, double dy) {
 }
 
 TEST(SouthUpAndMirrored, PutHeightsAtOtherPlaces) {
-  const int row_in_file = 1099 - 1024;
-  EXPECT_NE(naive_row(row_in_file), 1024);
+  const Terrain terrain = ground();
+  const Terrain file = surface(200, 1100, [&](int col, int row) { return terrain.at(col, 1099 - row); });
+  EXPECT_EQ(terrain.at(130, 1024), 5000);
+  EXPECT_LT(naive_height(file, 130, 1024), 1000) << "the peak is 949 rows further north";
 }
 
 TEST(SouthUpAndMirrored, KeepThePromise) {

@@ -11,11 +11,17 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/stream_codec.hpp"
+#include "tests/support/float_exceptions.hpp"
+#include "tests/support/quadtrees.hpp"
+
 namespace talus::support {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
+/// Of streams: a compiler may take a residual's size to a whole number before it is cut off at 255, and throw that away.
+constexpr int kWatchedOfStreams = FE_DIVBYZERO | FE_OVERFLOW;
 constexpr std::int64_t kMostJudgedOften = 60000;  ///< samples; larger regions are asked at fewer tolerances
 
 std::string text(GridRect r) {
@@ -113,6 +119,12 @@ Terrain hills(int cols, int rows, double amplitude) {
   return fit(sine_hills(cols, rows, amplitude, 151), SampleType::int16);
 }
 
+int HardDatabase::watched_of_ingest() const {
+  // The order of a NaN and a number is invalid, and that is how one among samples is found.
+  const bool has_nan = hard_.voids_are_nan || (hard_.file.nodata && std::isnan(*hard_.file.nodata));
+  return FE_DIVBYZERO | FE_OVERFLOW | (has_nan ? 0 : FE_INVALID);
+}
+
 HardDatabase::HardDatabase(HardCase hard) : hard_(std::move(hard)), truth_(hard_.terrain) {
   hard_.judging.void_weight = hard_.void_weight;
   double low = kInfinity, high = -kInfinity;
@@ -131,7 +143,8 @@ HardDatabase::HardDatabase(HardCase hard) : hard_(std::move(hard)), truth_(hard_
   write_raster(written, folder_ / "hard.tif", hard_.file);
   IngestOptions options;
   options.void_weight = hard_.void_weight;
-  ingest(folder_ / "hard.tif", folder_ / "hard.talus", options);
+  (void)without_float_exceptions([&] { return ingest(folder_ / "hard.tif", folder_ / "hard.talus", options); },
+                                 watched_of_ingest());
   now_ = Database::open(folder_ / "hard.talus").snapshot();
 }
 
@@ -145,6 +158,7 @@ void HardDatabase::hold_to_the_promise() const {
   if (west <= east && north <= south) check_region({{west, north}, {east, south}}, true);
   for (const GridRect& region : hard_.regions) check_region(region, true);
   check_neighbours(reached);
+  check_streams(reached);
   check_kernels_and_threads(reached);
 }
 
@@ -181,8 +195,8 @@ double HardDatabase::judge(const Mesh& mesh, double tolerance) const {
 
 Mesh HardDatabase::judged(GridRect region, double tolerance, double& true_error) const {
   SCOPED_TRACE(::testing::Message() << std::hexfloat << "tolerance " << tolerance << " m, region " << text(region));
-  const Answer answer = now().range(region, Metres{tolerance});
-  Mesh mesh = triangulate(answer.quadtree);
+  const Answer answer = without_float_exceptions([&] { return now().range(region, Metres{tolerance}); });
+  Mesh mesh = without_float_exceptions([&] { return triangulate(answer.quadtree); });
   EXPECT_EQ(mesh.region, region);
   EXPECT_EQ(answer.quadtree.tolerance.value, tolerance);
   true_error = judge(mesh, tolerance);
@@ -257,6 +271,49 @@ void HardDatabase::check_neighbours(double tolerance) const {
   }
 }
 
+Mesh HardDatabase::streamed(const RestrictedQuadtree& answer) const {
+  RestrictedQuadtree read;
+  for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
+    const Stream stream{now().description(), answer};
+    const auto back = without_float_exceptions([&] {
+      return decode_stream(encode(stream, {.profile = profile, .bands = 2}), {}, nullptr, 2).content;
+    }, kWatchedOfStreams);
+    read = std::get<RestrictedQuadtree>(back);
+    EXPECT_EQ(difference(read, answer), "");
+  }
+  Mesh mesh = triangulate(read);
+  OracleOptions judging = hard_.judging;
+  judging.heights_are_source = answer.origin.quantum.value == 0;
+  const OracleReport report =
+      check_mesh(mesh, truth_, hard_.metres_per_unit, std::max(answer.tolerance.value, answer.bound.value), judging);
+  EXPECT_TRUE(report.sound()) << report.summary();
+  EXPECT_LE(report.largest_error, answer.bound.value + 1.01e-9) << "the bound is no bound";
+  EXPECT_LE(answer.bound.value, answer.tolerance.value + 1e-8);
+  return mesh;
+}
+
+void HardDatabase::check_streams(double tolerance) const {
+  RestrictedQuadtree client = now().range(extent(), Metres{kInfinity}).quadtree;
+  double from = kInfinity;
+  for (const double to : {tolerance, 0.0}) {
+    SCOPED_TRACE(::testing::Message() << std::hexfloat << "streams at tolerance " << to << " m");
+    if (!(to < from)) continue;
+    const RestrictedQuadtree answer = now().range(extent(), Metres{to}).quadtree;
+    const Increment more = now().increment(extent(), Metres{from}, Metres{to});
+    for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
+      const auto back = [&](const Stream& stream, const RestrictedQuadtree* base) {
+        return without_float_exceptions([&] {
+          return decode_stream(encode(stream, {.profile = profile, .bands = 2}, base), {}, base, 2).content;
+        }, kWatchedOfStreams);
+      };
+      EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back({now().description(), answer}, nullptr)), answer), "");
+      const Increment read = std::get<Increment>(back({now().description(), more}, &client));
+      EXPECT_EQ(difference(merge(client, read), answer), "");
+    }
+    client = answer, from = to;
+  }
+}
+
 void HardDatabase::check_kernels_and_threads(double tolerance) const {
   const auto answers = [&](const std::filesystem::path& file) {
     const Snapshot other = Database::open(file).snapshot();
@@ -270,7 +327,8 @@ void HardDatabase::check_kernels_and_threads(double tolerance) const {
     options.void_weight = hard_.void_weight;
     options.overwrite = true;
     set_threads(options, threads);
-    ingest(folder_ / "hard.tif", folder_ / "other.talus", options);
+    (void)without_float_exceptions([&] { return ingest(folder_ / "hard.tif", folder_ / "other.talus", options); },
+                                   watched_of_ingest());
     const std::vector<Mesh> got = answers(folder_ / "other.talus");
     for (std::size_t i = 0; i < got.size(); ++i) {
       EXPECT_TRUE(got[i].points == expected[i].points && got[i].triangles == expected[i].triangles &&

@@ -29,13 +29,17 @@ class HardDatabase {
 
   /// Everything below, and: samples bit for bit, verify() without a finding, an error reached is a tolerance
   /// itself and so is one ulp to either side, tighter tolerances have all vertices of looser ones, parts that share a
-  /// side meet, every kernel this CPU has and one or two threads give the same answers. Failures are those of the
-  /// running test.
+  /// side meet, streams of every profile and increments give answers back bit for bit, every kernel this CPU has and one or
+  /// two threads give the same answers, all without a float exception. Failures are those of the running test.
   void hold_to_the_promise() const;
 
   /// The answer's mesh, held against every sample of the region, and its bound against the truth.
   [[nodiscard]] Mesh judged(GridRect region, double tolerance) const;
   [[nodiscard]] Mesh judged(double tolerance) const { return judged(extent(), tolerance); }
+
+  /// An answer of the whole raster as a client gets it: the same bit for bit from a stream of every profile. Its mesh, held
+  /// against every sample; rounded heights may differ from the source's.
+  [[nodiscard]] Mesh streamed(const RestrictedQuadtree& answer) const;
 
   [[nodiscard]] GridRect extent() const { return {{0, 0}, {truth_.cols - 1, truth_.rows - 1}}; }
   [[nodiscard]] const Snapshot& now() const { return *now_; }
@@ -44,11 +48,13 @@ class HardDatabase {
  private:
   [[nodiscard]] double judge(const Mesh& mesh, double tolerance) const;
   [[nodiscard]] Mesh judged(GridRect region, double tolerance, double& true_error) const;
+  [[nodiscard]] int watched_of_ingest() const;
   void check_samples() const;
   void check_verify(double tolerance) const;
   /// Returns the error it reached at a medium tolerance.
   double check_region(GridRect region, bool all) const;
   void check_neighbours(double tolerance) const;
+  void check_streams(double tolerance) const;
   void check_kernels_and_threads(double tolerance) const;
 
   HardCase hard_;

@@ -1,0 +1,61 @@
+// Danger: a stream whose levels are cut into more bands than they have vertices, or none at all. Vertices a band, rounded
+// down, are none, and nobody can divide by that or skip ahead in steps of it.
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/stream_codec.hpp"
+#include "tests/support/float_exceptions.hpp"
+#include "tests/support/hard_case.hpp"
+#include "tests/support/quadtrees.hpp"
+
+namespace talus::support {
+namespace {
+
+constexpr int kBands = 1000;
+
+std::size_t naive_vertices_a_band(std::size_t vertices) { return vertices / kBands; }
+
+void expect_streams(const HardDatabase& database) {
+  const Snapshot& now = database.now();
+  for (const double tolerance : {0.0, 20.0, 1e9}) {
+    const RestrictedQuadtree answer = now.range(database.extent(), Metres{tolerance}).quadtree;
+    for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
+      for (const int threads : {0, 1, 3}) {
+        const StreamOptions options{.profile = profile, .threads = threads, .bands = kBands};
+        const auto back = without_float_exceptions([&] {
+          return decode_stream(encode({now.description(), answer}, options), {}, nullptr, threads).content;
+        }, FE_DIVBYZERO | FE_OVERFLOW);
+        EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back), answer), "");
+      }
+    }
+  }
+}
+
+TEST(MoreBandsThanVertices, LeaveNoneForABand) {
+  const HardDatabase database({.terrain = hills(9, 7)});
+  const std::size_t all = database.now().range(database.extent(), Metres{0}).quadtree.vertices.size();
+  EXPECT_GT(all, 20u);
+  EXPECT_EQ(naive_vertices_a_band(all), 0u);
+}
+
+TEST(MoreBandsThanVertices, KeepThePromise) {
+  for (const GridPoint size : {GridPoint{9, 7}, {1, 1}, {1, 40}, {2, 2}, {65, 33}}) {
+    SCOPED_TRACE(::testing::Message() << size.col << " x " << size.row);
+    const HardDatabase database({.terrain = hills(size.col, size.row)});
+    database.hold_to_the_promise();
+    expect_streams(database);
+  }
+}
+
+TEST(MoreBandsThanVertices, OfVoidsKeepThePromise) {
+  HardCase hard{.terrain = random_voids(hills(66, 41), 0.9, 3)};
+  hard.judging = {.cell_width_m = 1, .cell_height_m = 1};
+  const HardDatabase database(hard);
+  database.hold_to_the_promise();
+  expect_streams(database);
+}
+
+}  // namespace
+}  // namespace talus::support

@@ -1,0 +1,54 @@
+// Danger: heights of plus and minus a million metres as multiples of a millimetre and less. The multiples need 33 bits with
+// their sign; a float has 24, and what it makes of them is off by many times the tolerance.
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/float_exceptions.hpp"
+#include "tests/support/hard_case.hpp"
+
+namespace talus::support {
+namespace {
+
+constexpr double kQuantum = 0.0005, kTolerance = 0.005;
+
+double height(int col, int row) {
+  const double tenths = (col * 7 + row * 3) % 111;  // of a millimetre
+  return (col < 70 ? 9999990000 + tenths : -9999990000 - tenths) / 10000;
+}
+
+double naive_rounded(double height) {
+  return static_cast<double>(static_cast<float>(std::nearbyint(height / kQuantum)) * static_cast<float>(kQuantum));
+}
+
+HardCase hard_case() {
+  HardCase hard{.terrain = surface(140, 90, height)};
+  hard.file.type = SampleType::float64;
+  hard.tolerances = {kQuantum, kTolerance};
+  return hard;
+}
+
+TEST(QuantisedAtAMillionMetres, LeavesItsToleranceInFloats) {
+  double largest = 0;
+  for (const double h : hard_case().terrain.values) largest = std::max(largest, std::abs(h - naive_rounded(h)));
+  EXPECT_GT(largest, 5 * kTolerance);
+}
+
+TEST(QuantisedAtAMillionMetres, KeepsThePromise) {
+  const HardDatabase database(hard_case());
+  database.hold_to_the_promise();
+  for (const double tolerance : {kQuantum, kTolerance, 1.0, 1e6}) {
+    for (const bool nested : {false, true}) {
+      const Answer answer = without_float_exceptions([&] {
+        return nested ? database.now().quantised(database.extent(), Metres{tolerance}, Metres{kQuantum})
+                      : database.now().bounded(database.extent(), Metres{tolerance}, Metres{kQuantum});
+      });
+      (void)database.streamed(answer.quadtree);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace talus::support
