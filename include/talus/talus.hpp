@@ -10,8 +10,8 @@
 // Six verbs: ingest, open, snapshot, range, triangulate, verify. Each of their headers says shapes,
 // units, failures and cost; docs/architecture.md shows the way of the data through the folders.
 
-#include "talus/bitree.hpp"
 #include "talus/accuracy.hpp"
+#include "talus/bitree.hpp"
 #include "talus/database.hpp"
 #include "talus/description.hpp"
 #include "talus/failure.hpp"
