@@ -122,6 +122,10 @@ std::vector<std::string> caveats(const AccuracyReport& report) {
                     "--against DEM true errors are not known, and left out.",
                     d.finest_tolerance));
   }
+  if (d.error_kind == ErrorKind::midpoint)
+    sentences.push_back("The database's errors are those of midpoints: its tolerances bound nothing, the true errors here are all there is.");
+  if (d.error_metric == ErrorMetric::perpendicular)
+    sentences.push_back("The database's tolerances are kept at right angles to triangles; true errors here are along the vertical.");
   if (d.lossy_metres > 0 && report.has_truth) {
     sentences.push_back(fmt::format(
         "Ingest rounded heights by up to {} m: errors here are against the rounded ones, bounds count that in.",

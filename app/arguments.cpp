@@ -169,6 +169,16 @@ bool parse_priority(const std::string& word) {
                 fmt::format("--priority takes later or resolution; \"{}\" is neither", word));
 }
 
+ErrorKind parse_error_kind(const std::string& word) {
+  if (const auto kind = error_kind_named(word)) return *kind;
+  throw Failure(Cause::invalid_argument, fmt::format("--error takes exact, nested or midpoint; \"{}\" is none", word));
+}
+
+ErrorMetric parse_error_metric(const std::string& word) {
+  if (const auto metric = error_metric_named(word)) return *metric;
+  throw Failure(Cause::invalid_argument, fmt::format("--metric takes vertical or perpendicular; \"{}\" is neither", word));
+}
+
 Border parse_border(const std::string& word) {
   if (word == "constrain") return Border::constrain;
   if (word == "cover") return Border::cover;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/description.hpp"
 #include "talus/question.hpp"
 #include "talus/units.hpp"
 
@@ -36,6 +37,9 @@ namespace talus::app {
 [[nodiscard]] double parse_height_step(const std::string& word);
 /// "later" (false) or "resolution" (true).
 [[nodiscard]] bool parse_priority(const std::string& word);
+/// "exact", "nested" or "midpoint"; "vertical" or "perpendicular".
+[[nodiscard]] ErrorKind parse_error_kind(const std::string& word);
+[[nodiscard]] ErrorMetric parse_error_metric(const std::string& word);
 
 /// "constrain", "cover" or "clip".
 [[nodiscard]] Border parse_border(const std::string& word);

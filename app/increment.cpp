@@ -38,6 +38,8 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
                 {"from", from.value},
                 {"tolerance", to.value},
                 {"bound", added.bound.value},
+                {"error_kind", name_of(description.error_kind)},
+                {"error_metric", name_of(description.error_metric)},
                 {"vertices", added.vertices.size()},
                 {"pages_read", increment.cost.pages_read},
                 {"bytes_read", increment.cost.bytes_read},
@@ -51,7 +53,7 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
   table.add("region", bounds_text(description, region));
   table.add("from", metres(from.value));
   table.add("tolerance", metres(to.value));
-  table.add("bound", metres(added.bound.value));
+  table.add("bound", bound_text(description, added.bound));
   table.add("added", fmt::format("{} vertices", counted(added.vertices.size())));
   table.add("read", fmt::format("{} pages, the header's among them, {}", counted(increment.cost.pages_read),
                                 sized(increment.cost.bytes_read)));

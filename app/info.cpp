@@ -33,6 +33,11 @@ std::string step_text(const HeightStep& step, const std::string& unit) {
   return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
 }
 
+std::string errors_text(const Description& d) {
+  const std::string text = fmt::format("{}, {}", name_of(d.error_kind), name_of(d.error_metric));
+  return d.error_kind == ErrorKind::midpoint ? text + ": no answer keeps a bound" : text;
+}
+
 Json to_json(const Request& request, const Description& d, const StorageSummary& s, const Provenance& p) {
   Json sources = Json::array();
   for (const SourceFile& f : p.sources) {
@@ -69,6 +74,8 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"maximum", d.maximum},
       {"void_samples", d.void_samples},
       {"void_weight", d.void_weight},
+      {"error_kind", name_of(d.error_kind)},
+      {"error_metric", name_of(d.error_metric)},
       {"file_bytes", s.file_bytes},
       {"pages", s.pages},
       {"page_bytes", s.page_bytes},
@@ -106,6 +113,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("crs", crs_name(d.crs_wkt));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
+  table.add("errors", errors_text(d));
   table.add("void weight", fmt::format("{}", d.void_weight));
   if (d.lossy_metres > 0) table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
   if (d.finest_tolerance > 0)
@@ -144,6 +152,8 @@ Exit run_stream(const Request& request) {
                 {"border", border_text(s.origin.border)},
                 {"tolerance", s.tolerance.value},
                 {"bound", s.bound.value},
+                {"error_kind", name_of(d.error_kind)},
+                {"error_metric", name_of(d.error_metric)},
                 {"quantum", s.origin.quantum.value},
                 {"profile", spelled(s.profile)},
                 {"vertices", s.vertices},
@@ -165,7 +175,7 @@ Exit run_stream(const Request& request) {
   table.add("border", border_text(s.origin.border));
   if (s.is_increment) table.add("from", metres(s.from.value));
   table.add("tolerance", metres(s.tolerance.value));
-  table.add("bound", metres(s.bound.value));
+  table.add("bound", bound_text(d, s.bound));
   table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
   table.add("profile", spelled(s.profile));
   table.add("vertices", counted(s.vertices));

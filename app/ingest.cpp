@@ -20,7 +20,8 @@ namespace {
 
 struct Request {
   std::vector<std::string> files;  // the database last
-  std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step, tolerance;
+  std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step, tolerance,
+              error = "exact", metric = "vertical";
   IngestOptions options;
   bool update = false, dry_run = false, json = false;
 
@@ -31,6 +32,8 @@ struct Request {
 void settle_options(Request& request) {
   IngestOptions& o = request.options;
   o.void_weight = parse_weight(request.void_weight);
+  o.error_kind = parse_error_kind(request.error);
+  o.error_metric = parse_error_metric(request.metric);
   if (!request.tolerance.empty()) o.finest_tolerance = parse_tolerance(request.tolerance).value;
   o.memory_bytes = parse_bytes(request.memory);
   if (!request.cell.empty()) {
@@ -44,6 +47,12 @@ void settle_options(Request& request) {
     o.inputs.grid = grid_of(Database::open(request.grid_of).snapshot().description());
     o.inputs.grid->step.reset();  // its grid, not its heights
   }
+  if (request.update && (o.error_kind != ErrorKind::exact || o.error_metric != ErrorMetric::vertical || o.no_guarantee)) {
+    throw Failure(Cause::invalid_argument,
+                  "--error, --metric and --no-guarantee are chosen when a database is made; they do not go with --update");
+  }
+  if (o.no_guarantee && o.error_kind != ErrorKind::midpoint)
+    throw Failure(Cause::invalid_argument, "--no-guarantee goes with --error midpoint; any other bound is kept");
   if (request.update && o.finest_tolerance > 0)
     throw Failure(Cause::invalid_argument, "--tolerance is chosen when a database is made; it does not go with --update");
   if (request.dry_run && request.update)
@@ -204,6 +213,19 @@ void add_ingest(CLI::App& program, Action& action) {
                    "Keep only the vertices that an answer at M metres needs: a smaller file that answers no\n"
                    "finer and cannot be updated; without it every sample is kept, bit for bit")
       ->option_text("M");
+  command
+      ->add_option("--error", request->error,
+                   "What the error of a vertex is. exact: the largest distance of any sample from the surface\n"
+                   "without it; nested: a bound on that from midpoints alone, so that answers hold more vertices than\n"
+                   "they need; midpoint: its distance from the middle of an edge, which bounds nothing")
+      ->option_text("exact|nested|midpoint [exact]");
+  command
+      ->add_option("--metric", request->metric,
+                   "Distances along the vertical, or at right angles to triangles, which are less on slopes; the\n"
+                   "latter with exact and midpoint errors")
+      ->option_text("vertical|perpendicular [vertical]");
+  command->add_flag("--no-guarantee", request->options.no_guarantee,
+                    "Needed for --error midpoint: no answer of the database will keep its tolerance");
   command->add_option("--progress", request->progress, "On a terminal, as JSON lines on standard error, or not")
       ->option_text("auto|json|none");
   command->add_flag("--json", request->json, "Print one JSON object");
@@ -211,7 +233,7 @@ void add_ingest(CLI::App& program, Action& action) {
   command->footer(
       "\n"
       "Takes the first band of local rasters (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL reads),\n"
-      "computes the exact error of every vertex and writes one file, in memory that does not grow with the\n"
+      "computes the error of every vertex and writes one file, in memory that does not grow with the\n"
       "raster. Samples are pixel centres; nodata, masks and NaN are voids; scale, offset and unit are applied.\n"
       "Tiles on one grid are joined; others are refused unless an option says how to resample them.\n"
       "Interrupted, killed or out of disk, it leaves DATABASE.part, and --resume goes on.\n"

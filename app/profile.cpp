@@ -62,7 +62,9 @@ Exit run(const Request& request) {
   const Metres tolerance = parse_tolerance(request.tolerance);
   const std::vector<Position> line = parse_line(request.line);
   check_output(request);
-  const Profile profile = Database::open(request.database).snapshot().profile(line, tolerance);
+  const Snapshot now = Database::open(request.database).snapshot();
+  const Description& description = now.description();
+  const Profile profile = now.profile(line, tolerance);
   if (!request.output.empty()) {
     const HoldInterrupts whole_file_or_none;
     OutputFile file(request.output);
@@ -75,6 +77,8 @@ Exit run(const Request& request) {
     Json object{{"length", profile.length_m},
                 {"tolerance", profile.tolerance.value},
                 {"bound", profile.bound.value},
+                {"error_kind", name_of(description.error_kind)},
+                {"error_metric", name_of(description.error_metric)},
                 {"vertices", vertices},
                 {"parts", parts_of(profile)},
                 {"pages_read", profile.cost.pages_read},
@@ -88,7 +92,7 @@ Exit run(const Request& request) {
     Table table;
     table.add("length", fmt::format("{:.7g} m", profile.length_m));
     table.add("tolerance", metres(profile.tolerance.value));
-    table.add("bound", metres(profile.bound.value));
+    table.add("bound", bound_text(description, profile.bound));
     table.add("profile", fmt::format("{} vertices in {} parts", counted(vertices), counted(profile.parts.size())));
     table.add("read", fmt::format("{} pages, the header's among them, {}", counted(profile.cost.pages_read),
                                   sized(profile.cost.bytes_read)));

@@ -195,6 +195,8 @@ Exit run(const Request& request) {
     Json object{{"region", bounds(description, mesh.region)},
                 {"tolerance", tolerance.value},
                 {"bound", bound.value},
+                {"error_kind", name_of(description.error_kind)},
+                {"error_metric", name_of(description.error_metric)},
                 {"vertices", mesh.size()},
                 {"triangles", mesh.triangles.size()},
                 {"quantum", answer.quadtree.origin.quantum.value},
@@ -215,7 +217,7 @@ Exit run(const Request& request) {
   table.add("region", bounds_text(description, mesh.region));
   table.add("tolerance", by_raster ? fmt::format("{} or more, by {}", metres(tolerance.value), request.tolerance_raster)
                                    : metres(tolerance.value));
-  table.add("bound", metres(bound.value));
+  table.add("bound", bound_text(description, bound));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
   if (!request.heights.are_exact())

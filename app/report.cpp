@@ -79,6 +79,13 @@ Json bounds(const Description& d, GridRect region) {
                       d.mapping.y(region.first.row)});
 }
 
+std::string bound_text(const Description& d, Metres bound) {
+  if (d.error_kind == ErrorKind::midpoint)
+    return "none: errors are those of midpoints (--no-guarantee), samples may lie any distance beyond the tolerance";
+  if (d.error_metric == ErrorMetric::perpendicular) return metres(bound.value) + " at right angles to the triangles, more along the vertical";
+  return metres(bound.value);
+}
+
 std::string bounds_text(const Description& d, GridRect region) {
   return fmt::format("x {} to {}, y {} to {} ({} x {} samples)", d.mapping.x(region.first.col),
                      d.mapping.x(region.last.col), d.mapping.y(region.last.row), d.mapping.y(region.first.row),

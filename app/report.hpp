@@ -41,6 +41,8 @@ void print(const std::string& text);
 
 /// [xmin, ymin, xmax, ymax] of the outermost sample positions.
 [[nodiscard]] Json bounds(const Description& description, GridRect region);
+/// What a bound is worth in a database, or in what was answered from it.
+[[nodiscard]] std::string bound_text(const Description& description, Metres bound);
 [[nodiscard]] std::string bounds_text(const Description& description, GridRect region);
 
 }  // namespace talus::app

@@ -49,6 +49,8 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
     print(Json{{"region", bounds(description, answer.region)},
                {"tolerance", answer.tolerance.value},
                {"bound", bound.value},
+               {"error_kind", name_of(description.error_kind)},
+               {"error_metric", name_of(description.error_metric)},
                {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},
                {"output", request.outputs}});
@@ -57,7 +59,7 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
   Table table;
   table.add("region", bounds_text(description, answer.region));
   table.add("tolerance", metres(answer.tolerance.value));
-  table.add("bound", metres(bound.value));
+  table.add("bound", bound_text(description, bound));
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
   for (const std::string& output : request.outputs) table.add("output", output);
   print(table);

@@ -315,7 +315,8 @@ class BlockErrors {
   Workspace& memory_;
 };
 
-/// Triangles that mix data and void: what they carry follows from their row and shape.
+}  // namespace
+
 void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
   const BlockKernel& kernel = block_kernel();
   for (int level = 0; level < errors.levels(); ++level) {
@@ -339,8 +340,6 @@ void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
     }
   }
 }
-
-}  // namespace
 
 void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors) {
   std::visit(

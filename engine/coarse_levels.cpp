@@ -69,7 +69,8 @@ struct CoarseLevels::Large {
   std::int32_t best_block = 0;
 };
 
-CoarseLevels::CoarseLevels(GridRect extent, const CodeDistance& distance, GroundSide ground_side, double void_weight)
+CoarseLevels::CoarseLevels(GridRect extent, const CodeDistance& distance, GroundSide ground_side, double void_weight,
+                           ErrorRule rule)
     : extent_(extent),
       units_{{ceil_unit(extent.first.col), ceil_unit(extent.first.row)},
              {extent.last.col >> kBlockShift, extent.last.row >> kBlockShift}},
@@ -77,6 +78,7 @@ CoarseLevels::CoarseLevels(GridRect extent, const CodeDistance& distance, Ground
       distance_(distance),
       ground_side_(std::move(ground_side)),
       void_weight_(void_weight),
+      rule_(std::move(rule)),
       errors_(floor_units(extent), coarse_level_count(extent), 0),
       holds_(floor_units(extent), coarse_level_count(extent), 0) {
   if (units_.cols() <= 0 || units_.rows() <= 0) units_ = {{0, 0}, {-1, -1}};
@@ -106,7 +108,11 @@ void CoarseLevels::settle(const ForEachTile& tiles, const ReadBack& read_back) {
   tiles([&](TileId id, const TileSummary& summary) { take(id, summary); });
   hold_large_halves();
   fill_far_voids();
-  measure_large(tiles, read_back);
+  if (rule_.measures_samples()) {
+    measure_large(tiles, read_back);
+  } else {
+    measure_middles();
+  }
   saturate();
 }
 
@@ -374,9 +380,28 @@ void CoarseLevels::measure_large(const ForEachTile& tiles, const ReadBack& read_
     const GridPoint unit{half.t.vertex.col >> kBlockShift, half.t.vertex.row >> kBlockShift};
     const int side = diamond(half.t.vertex).apexes[0] == half.t.apex ? 0 : 1;
     const bool exact = half.bits.interpolates_exactly(2 * half.t.s);
-    ErrorCode code = error_code(distance_.metres(half.largest) + (exact ? 0 : kRoundingMargin));
+    const double metres = distance_.metres(half.largest) + (exact ? 0 : kRoundingMargin);
+    ErrorCode code = error_code(metres * rule_.share(half.t, half.plane, distance_));
     if (this->half(unit, side) == kMixed) code = std::max(code, error_code(void_weight_ * ground_side_(half.t)));
     errors_[unit] = std::max(errors_[unit], code);
+  }
+}
+
+/// Of all levels: these distances need no sample but the vertex and the ends of its side.
+void CoarseLevels::measure_middles() {
+  for (int shift = 0; shift < errors_.levels(); ++shift) {
+    for (const bool centres : {false, true}) {
+      errors_.for_each(shift, centres, [&](GridPoint unit) {
+        for (const int side : {0, 1}) {
+          const HalfDiamond t = half_diamond(in_samples(unit), side);
+          if (!inside(t, extent_) || (half(unit, side) & kData) == 0) continue;
+          const double metres = finest_error(height(t.vertex), height(t.a), height(t.b), distance_);
+          ErrorCode code = error_code(metres * rule_.share(t, plane_of(t, [&](GridPoint p) { return height(p); }), distance_));
+          if (half(unit, side) == kMixed) code = std::max(code, error_code(void_weight_ * ground_side_(t)));
+          errors_[unit] = std::max(errors_[unit], code);
+        }
+      });
+    }
   }
 }
 
@@ -416,7 +441,7 @@ void CoarseLevels::saturate() {
         ErrorCode& own = errors_[unit];
         const ErrorCode from_below = below(shift, centres, unit);
         if (own != 0 && from_below == 0 && is_exactly_zero(unit)) own = 0;
-        own = std::max(own, from_below);
+        own = rule_.over(own, from_below);
       });
     }
   }

@@ -22,7 +22,8 @@ using ReadBack = std::function<const Page*(PageId)>;
 class CoarseLevels {
  public:
   /// Memory: about 40 bytes for each 64² samples of the extent.
-  CoarseLevels(GridRect extent, const CodeDistance& distance, GroundSide ground_side, double void_weight);
+  CoarseLevels(GridRect extent, const CodeDistance& distance, GroundSide ground_side, double void_weight,
+               ErrorRule rule = {});
   ~CoarseLevels();
 
   /// Takes over all tiles, measures what is larger than a tile, and saturates.
@@ -46,6 +47,7 @@ class CoarseLevels {
   void take(TileId id, const TileSummary& summary);
   void hold_large_halves();
   void fill_far_voids();
+  void measure_middles();
   void measure_large(const ForEachTile& tiles, const ReadBack& read_back);
   void collect_large();
   void bound_in(TileId id, const TileSummary& summary);
@@ -69,6 +71,7 @@ class CoarseLevels {
   CodeDistance distance_;
   GroundSide ground_side_;
   double void_weight_;
+  ErrorRule rule_;
   bool has_voids_ = false;
   LevelGrid<ErrorCode> errors_;       ///< in units
   LevelGrid<std::uint8_t> holds_;     ///< in units; side 0 | side 1 << 2

@@ -32,6 +32,11 @@ GroundScale GroundScale::geographic(const GridMapping& degrees, GridRect extent,
   return scale;
 }
 
+CellSize GroundScale::cell(std::int32_t row) const {
+  const auto at = static_cast<std::size_t>(std::clamp(row - first_row_, 0, static_cast<std::int32_t>(width_m_.size()) - 1));
+  return {width_m_[at], height_m_[at]};
+}
+
 Metres GroundScale::longest_side(const HalfDiamond& t) const {
   const auto at = [&](const std::vector<double>& by_row, std::int32_t row) {
     const auto last = static_cast<std::int32_t>(by_row.size()) - 1;

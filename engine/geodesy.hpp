@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "engine/error_rule.hpp"
 #include "engine/half_diamond.hpp"
 #include "talus/units.hpp"
 
@@ -17,6 +18,8 @@ class GroundScale {
   [[nodiscard]] static GroundScale geographic(const GridMapping& degrees, GridRect extent, Metres radius,
                                               double flattening);
 
+  /// Of a row; beyond those of the extent that of the nearest.
+  [[nodiscard]] CellSize cell(std::int32_t row) const;
   /// At least the longest side of a triangle, with cells as large as they get on its rows.
   [[nodiscard]] Metres longest_side(const HalfDiamond& t) const;
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/error_rule.hpp"
 #include "engine/page_layout.hpp"
 #include "talus/failure.hpp"
 
@@ -65,8 +66,8 @@ std::vector<std::byte> encode(const Manifest& m) {
        {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
       {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
       {"errors",
-       {{"kind", "exact"},
-        {"metric", "vertical"},
+       {{"kind", name_of(d.error_kind)},
+        {"metric", name_of(d.error_metric)},
         {"void_weight", d.void_weight},
         {"lossy_bound", d.lossy_metres},
         {"finest_tolerance", d.finest_tolerance}}},
@@ -99,9 +100,11 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
                                 kBandLevels));
     }
     const Json& errors = json.at("errors");
-    if (errors.at("kind") != "exact" || errors.at("metric") != "vertical") {
-      throw Failure(Cause::unsupported,
-                    "errors of another kind than exact and vertical, which this program does not know");
+    const auto kind = error_kind_named(errors.at("kind").get<std::string>());
+    const auto metric = error_metric_named(errors.at("metric").get<std::string>());
+    if (!kind || !metric) {
+      throw Failure(Cause::unsupported, fmt::format("errors of kind {} and metric {}, which this program does not know",
+                                                    errors.at("kind").dump(), errors.at("metric").dump()));
     }
     m.bands = whole<int>(layout.at("bands"));
     Description& d = m.description;
@@ -123,6 +126,8 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.void_weight = errors.at("void_weight");
     d.lossy_metres = errors.at("lossy_bound");
     d.finest_tolerance = errors.value("finest_tolerance", 0.0);
+    d.error_kind = *kind;
+    d.error_metric = *metric;
     m.generation = whole<std::uint32_t>(json.at("generation"));
     for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));
   } catch (const Json::exception& e) {

@@ -49,6 +49,7 @@ struct TileInput {
   CodeDistance distance;
   GroundSide ground_side;  ///< used with voids only
   double void_weight = 1;
+  ErrorRule rule = {};
 };
 
 /// What the tiers above must know of a tile. A few kB; everything in it depends on the tile's window only.

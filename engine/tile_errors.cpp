@@ -3,6 +3,7 @@
 
 #include "engine/block_errors.hpp"
 #include "engine/large_memory.hpp"
+#include "engine/other_errors.hpp"
 #include "engine/saturation.hpp"
 #include "engine/slab_errors.hpp"
 #include "engine/tile.hpp"
@@ -54,9 +55,10 @@ class FarVertices {
     detail::largest_distances(input_.field, shapes, blocks, halves_, distances);
     for (std::size_t i = 0; i < halves_.size(); ++i) {
       const HalfDiamond& t = halves_[i];
+      const double share = input_.rule.share(t, plane_of(t, [&](GridPoint p) { return input_.field[p]; }), input_.field.distance);
       ErrorCode& code = record_.errors[index(t.vertex)];
       const int side = diamond(t.vertex).apexes[0] == t.apex ? 0 : 1;
-      code = std::max(code, error_code(input_.field.distance.metres(distances[i]) + input_.margin(t.vertex, side)));
+      code = std::max(code, error_code((input_.field.distance.metres(distances[i]) + input_.margin(t.vertex, side)) * share));
     }
   }
 
@@ -96,6 +98,7 @@ class FarVertices {
     if (holds == kMixed) {
       record_.errors[index(p)] = std::max(record_.errors[index(p)], error_code(detail::mixed_error(input_, t)));
     }
+    if (!input_.rule.measures_samples()) return;  // the levels above tiles have all that it takes
     if (has_fill(t.apex) && has_fill(t.a) && has_fill(t.b)) {
       halves_.push_back(t);
     } else {
@@ -199,17 +202,22 @@ void tile_errors(const TileInput& tile, TileErrors& result) {
   input.voids = has_voids ? &*result.voids : nullptr;
   input.ground_side = tile.ground_side;
   input.void_weight = tile.void_weight;
+  input.rule = tile.rule;
   std::optional<BlockBits> bits;
   if (!std::holds_alternative<std::vector<std::int16_t>>(result.heights)) {
     bits.emplace(input.field);
     input.bits = &*bits;
   }
   const GridRect used = cut(around, window);
-  detail::block_errors(input,
-                       {{used.first.col >> kBlockShift, used.first.row >> kBlockShift},
-                        {(used.last.col - 1) >> kBlockShift, (used.last.row - 1) >> kBlockShift}},
-                       result.errors);
-  saturate(input, result.errors);
+  if (tile.rule.is_usual()) {
+    detail::block_errors(input,
+                         {{used.first.col >> kBlockShift, used.first.row >> kBlockShift},
+                          {(used.last.col - 1) >> kBlockShift, (used.last.row - 1) >> kBlockShift}},
+                         result.errors);
+    saturate(input, result.errors);
+  } else {
+    detail::other_errors(input, result.errors);
+  }
   const GridPoint first{tile.id.x * kTileBlocks, tile.id.y * kTileBlocks};
   const GridRect blocks{first, {first.col + kTileBlocks, first.row + kTileBlocks}};
   const std::vector<detail::BlockShape> shapes = detail::block_shapes(input.field, blocks);

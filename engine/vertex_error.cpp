@@ -28,15 +28,18 @@ double reference_half_error(const ErrorInput& input, GridPoint vertex, int side,
   const HeightField& field = input.field;
   const HalfDiamond t = half_diamond(vertex, side);
   if (!inside(t, field.extent) || (holds & kData) == 0) return 0;
+  const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
   double metres = 0;
-  if (t.s == 1 && !t.centre) {
+  if (!input.rule.measures_samples()) {
+    metres = finest_error(field[vertex], field[t.a], field[t.b], field.distance);
+  } else if (t.s == 1 && !t.centre) {
     if (field.is_valid(field.index(vertex))) {
       metres = finest_error(field[vertex], field[t.a], field[t.b], field.distance);
     }
   } else {
-    const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
     metres = field.distance.metres(largest_distance(field, t, plane)) + input.margin(vertex, side);
   }
+  metres *= input.rule.share(t, plane, field.distance);
   return holds == kMixed ? std::max(metres, detail::mixed_error(input, t)) : metres;
 }
 

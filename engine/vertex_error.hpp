@@ -6,6 +6,7 @@
 
 #include "engine/block_bits.hpp"
 #include "engine/error_ladder.hpp"
+#include "engine/error_rule.hpp"
 #include "engine/half_diamond.hpp"
 #include "engine/height_field.hpp"
 #include "engine/level_grid.hpp"
@@ -25,6 +26,7 @@ struct ErrorInput {
   const BlockBits* bits = nullptr;
   GroundSide ground_side;  ///< used with voids only
   double void_weight = 1;  ///< metres of error per metre of ground side
+  ErrorRule rule = {};
 
   /// What is added to a computed error of a half-diamond, see BlockBits.
   [[nodiscard]] double margin(GridPoint vertex, int side) const {
@@ -32,8 +34,8 @@ struct ErrorInput {
   }
 };
 
-/// Vertical error of one half in metres, by a plain loop over the closed triangle: 0 if it leaves the
-/// extent or holds no data; at least the weighted ground side if it mixes data and void. The reference
+/// Error of one half in metres, as the input's rule has it, by a plain loop over the closed triangle: 0 if it leaves
+/// the extent or holds no data; at least the weighted ground side if it mixes data and void. The reference
 /// the kernels are held to. `holds` says what the half holds where the input's voids know no such level.
 [[nodiscard]] double reference_half_error(const ErrorInput& input, GridPoint vertex, int side, Holds holds);
 [[nodiscard]] double reference_half_error(const ErrorInput& input, GridPoint vertex, int side);

@@ -57,6 +57,8 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
   description.finest_tolerance = options.finest_tolerance;
+  description.error_kind = options.error_kind;
+  description.error_metric = options.error_metric;
   Job job = job_of(
       description, code_bytes(code_kind(source.description())), source.block_bytes(),
       [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
@@ -90,6 +92,8 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step / 2;
   description.finest_tolerance = options.finest_tolerance;
+  description.error_kind = options.error_kind;
+  description.error_metric = options.error_metric;
   return estimate(job_of(description, code_bytes(code_kind(source.description())), source.block_bytes(),
                          [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options),
                   source);

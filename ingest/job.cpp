@@ -61,6 +61,10 @@ struct TileMemory {
   TilePacking packing;
 };
 
+ErrorRule rule_of(const Job& job) {
+  return {job.description.error_kind, job.description.error_metric, [&job](std::int32_t row) { return job.ground.cell(row); }};
+}
+
 TilePages settle_tile(const Job& job, TileId id, const Window& panel, TileMemory& memory) {
   const GridRect part = tile_window(id, job.description.extent);
   if (is_empty(part)) return {};
@@ -74,6 +78,7 @@ TilePages settle_tile(const Job& job, TileId id, const Window& panel, TileMemory
   input.distance = job.distance;
   input.ground_side = [&](const HalfDiamond& t) { return job.ground.longest_side(t).value; };
   input.void_weight = job.description.void_weight;
+  input.rule = rule_of(job);
   tile_errors(input, memory.errors);
   return pack_tile(id, memory.errors, window.valid, job.making, memory.packing);
 }
@@ -169,7 +174,7 @@ Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, s
   const ReadTxn view = writer.view();
   Totals totals;
   const GroundSide ground = [&](const HalfDiamond& t) { return job.ground.longest_side(t).value; };
-  CoarseLevels levels(job.description.extent, job.distance, ground, job.description.void_weight);
+  CoarseLevels levels(job.description.extent, job.distance, ground, job.description.void_weight, rule_of(job));
   const ForEachTile tiles = [&](const auto& visit) {
     view.for_each(kRecordTable, [&](std::uint64_t position) {
       const auto stored = view.find({kRecordTable, position});
@@ -229,6 +234,22 @@ void require_sense(const IngestOptions& options) {
   if (!(options.void_weight >= 0) || options.void_weight > 1e6) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
+  }
+  if (options.error_kind == ErrorKind::midpoint && !options.no_guarantee) {
+    throw Failure(Cause::invalid_argument,
+                  "midpoint errors bound nothing: samples may lie any distance beyond the tolerance. Take exact errors, or say "
+                  "that no answer of this database needs to keep its bound (--no-guarantee)");
+  }
+  if (options.error_kind == ErrorKind::nested && options.error_metric == ErrorMetric::perpendicular) {
+    throw Failure(Cause::invalid_argument,
+                  "nested errors are sums along the vertical, which bound no perpendicular distance: the perpendicular metric "
+                  "goes with exact errors, or with midpoint ones, which bound nothing");
+  }
+  if (options.finest_tolerance > 0 &&
+      (options.error_kind == ErrorKind::midpoint || options.error_metric == ErrorMetric::perpendicular)) {
+    throw Failure(Cause::invalid_argument,
+                  "a finest tolerance leaves out heights that vertical errors vouch for: it goes with exact and nested errors "
+                  "along the vertical");
   }
   const double coarsest = 1e6;
   if (!(options.finest_tolerance >= 0) || options.finest_tolerance > coarsest) {

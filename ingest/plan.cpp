@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/error_rule.hpp"
 #include "engine/manifest.hpp"
 
 namespace talus {
@@ -16,6 +17,8 @@ std::string typed(const IngestOptions& options) {
   const InputOptions& in = options.inputs;
   std::string text;
   if (options.finest_tolerance != 0) text += fmt::format(", --tolerance {}", options.finest_tolerance);
+  if (options.error_kind != ErrorKind::exact) text += fmt::format(", --error {}", name_of(options.error_kind));
+  if (options.error_metric != ErrorMetric::vertical) text += fmt::format(", --metric {}", name_of(options.error_metric));
   if (options.void_weight != 1) text += fmt::format(", --void-weight {}", options.void_weight);
   if (!in.srs.empty()) text += fmt::format(", --srs {}", in.srs);
   if (!in.vertical_unit.empty()) text += fmt::format(", --vertical-unit {}", in.vertical_unit);

@@ -33,6 +33,16 @@ std::int32_t largest_eighths_within(double largest_distance) {
   return largest_distance < kMost / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMost;
 }
 
+/// What their errors say, whether that bounds anything or not.
+double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
+  const Description& d = pages.manifest().description;
+  double metres = std::max(error_of(absent.code), d.kept_above());
+  if (absent.distance >= 0)
+    metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
+  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
+  return metres + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);
+}
+
 }  // namespace
 
 Above::Above(double tolerance_m, const CodeDistance& distance)
@@ -122,18 +132,14 @@ std::vector<double> LargestByLevel::metres(const StoredPages& pages) const {
   std::vector<double> metres;
   for (const LargestAbsent& level : levels_) {
     const bool is_empty = level.code == 0 && level.distance < 0;
-    metres.push_back(is_empty ? 0 : bound_of(pages, level, std::numeric_limits<double>::infinity()).value);
+    metres.push_back(is_empty ? 0 : error_of_absent(pages, level, std::numeric_limits<double>::infinity()));
   }
   return metres;
 }
 
 Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
-  const Description& d = pages.manifest().description;
-  double metres = std::max(error_of(absent.code), d.kept_above());
-  if (absent.distance >= 0)
-    metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
-  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
-  return Metres{metres + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding)};
+  if (pages.manifest().description.error_kind == ErrorKind::midpoint) return Metres{std::numeric_limits<double>::infinity()};
+  return Metres{error_of_absent(pages, absent, tolerance_m)};
 }
 
 }  // namespace talus

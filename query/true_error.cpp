@@ -36,6 +36,31 @@ class Facet {
   [[nodiscard]] std::int32_t first_row() const { return first_row_; }
   [[nodiscard]] std::int32_t last_row() const { return last_row_; }
 
+  // Of the middle of the longest side in columns and rows.
+  [[nodiscard]] std::int32_t middle_row() const {
+    std::int64_t longest = -1;
+    std::int32_t row = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const GridPoint a = corner_[i], b = corner_[(i + 1) % 3];
+      const std::int64_t dc = std::int64_t{a.col} - b.col, dr = std::int64_t{a.row} - b.row;
+      if (dc * dc + dr * dr > longest) longest = dc * dc + dr * dr, row = (a.row + b.row) / 2;
+    }
+    return row;
+  }
+
+  // Of the angle between the surface and the horizontal: z per metre from the plane's normal.
+  [[nodiscard]] double cosine(double metres_per_unit, std::array<double, 2> cell) const {
+    const auto edge = [&](std::size_t i) {
+      return std::array<long double, 3>{(static_cast<long double>(corner_[i].col) - corner_[0].col) * cell[0],
+                                        (static_cast<long double>(corner_[i].row) - corner_[0].row) * cell[1],
+                                        (static_cast<long double>(height_[i]) - height_[0]) * metres_per_unit};
+    };
+    const auto u = edge(1), v = edge(2);
+    const long double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+    const long double length = std::sqrt(x * x + y * y + z * z);
+    return length > 0 ? static_cast<double>(std::abs(z) / length) : 1;
+  }
+
   // Calls visit(col, height of the surface) for the grid points of a row that lie in the triangle.
   template <class Visit>
   void for_row(std::int32_t row, Visit&& visit) const {
@@ -116,7 +141,7 @@ std::vector<std::uint32_t> from_north_to_south(const Mesh& mesh) {
 }  // namespace
 
 TrueError true_error(const Mesh& mesh, const Description& description, const SampleReader& truth,
-                     const ErrorVisitor& visit) {
+                     const ErrorVisitor& visit, const CellsOfRow& cells) {
   TrueError result;
   const GridRect& region = mesh.region;
   if (region.cols() < 1 || region.rows() < 1) return result;
@@ -142,6 +167,7 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
     std::size_t kept = 0;
     for (const std::uint32_t id : reaching) {
       const Facet facet{mesh, mesh.triangles[id]};
+      const double cosine = cells ? facet.cosine(description.metres_per_unit, cells(facet.middle_row())) : 0;
       for (std::int32_t row = std::max(first, facet.first_row()); row <= std::min(last, facet.last_row()); ++row) {
         const std::size_t start = window.index({region.first.col, row});
         facet.for_row(row, [&](std::int32_t col, long double surface) {
@@ -151,6 +177,7 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
           auto error = static_cast<double>((surface - window.values[at]) * description.metres_per_unit);
           if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // as wrong as it gets
           if (!(std::abs(error) <= std::abs(farthest[at]))) farthest[at] = error;
+          if (cells) result.largest_perpendicular_m = std::max(result.largest_perpendicular_m, std::abs(error) * cosine);
         });
       }
       if (facet.last_row() > last) reaching[kept++] = id;

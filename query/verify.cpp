@@ -1,17 +1,27 @@
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "engine/triangulation.hpp"
+#include "query/ground.hpp"
 #include "query/snapshot_view.hpp"
 #include "query/true_error.hpp"
 #include "talus/database.hpp"
 
 namespace talus {
 namespace {
+
+CellsOfRow cells_of_rows(const Description& d) {
+  return [ground = Ground(d.crs_wkt), m = d.mapping](std::int32_t row) {
+    const double x = m.x(0), y = m.y(row), up = std::abs(m.dy) / 2;
+    return std::array{ground.metres({x, y}, {x + m.dx, y}), ground.metres({x, y - up}, {x, y + up})};
+  };
+}
 
 class Verification {
  public:
@@ -67,8 +77,11 @@ class Verification {
 
   void true_error_of(Metres tolerance, const SampleReader& truth) {
     const Mesh mesh = triangulate(range_query(pages_, extent_, tolerance).quadtree);
-    const TrueError error = true_error(mesh, pages_.manifest().description, truth);
+    const Description& d = pages_.manifest().description;
+    const bool tilted = d.error_metric == ErrorMetric::perpendicular;
+    const TrueError error = true_error(mesh, d, truth, {}, tilted ? cells_of_rows(d) : CellsOfRow());
     report.true_error = Metres{error.largest_m};
+    if (tilted) report.perpendicular_error = Metres{error.largest_perpendicular_m};
     report.vertices = mesh.points.size();
     report.triangles = mesh.triangles.size();
     report.covered_samples = error.covered;

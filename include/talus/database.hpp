@@ -264,7 +264,8 @@ struct VerifyReport {
   std::uint64_t pages = 0, samples = 0;  ///< checked
   std::vector<std::string> findings;     ///< at most 20 are spelled out
   std::uint64_t finding_count = 0;
-  std::optional<Metres> true_error;  ///< of the answer, by brute force, if a tolerance was given
+  std::optional<Metres> true_error;  ///< of the answer, along the vertical, by brute force, if a tolerance was given
+  std::optional<Metres> perpendicular_error;  ///< the same at right angles, of a database with that metric
   std::uint64_t vertices = 0, triangles = 0;
   std::uint64_t covered_samples = 0, uncovered_samples = 0;  ///< see Snapshot::range; none may be uncovered
   std::uint64_t stray_samples = 0;  ///< valid, in no valid finest triangle, and under no triangle

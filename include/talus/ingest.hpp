@@ -56,6 +56,9 @@ struct IngestOptions {
   /// Keep only the vertices that an answer at this tolerance, in metres, selects: no answer will be finer, and samples
   /// are not restored. 0: keep all.
   double finest_tolerance = 0;
+  ErrorKind error_kind = ErrorKind::exact;
+  ErrorMetric error_metric = ErrorMetric::vertical;  ///< perpendicular goes with exact and midpoint
+  bool no_guarantee = false;  ///< said by who wants ErrorKind::midpoint: no answer of the database keeps a bound
   unsigned threads = 0;      ///< 0: one a core. The pages are the same for any number.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The pages are the same.
   InputOptions inputs = {};
@@ -103,7 +106,7 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
 /// is copied. Readers keep what they opened; the new file takes the name in one step.
 ///
 /// inputs   as for ingest, brought onto the database's grid; a void does not cover data
-/// options  void_weight and resume are not looked at; overwrite: replace what an interrupted ingest left
+/// options  void_weight, error_kind, error_metric and resume are not looked at; overwrite: replace what an interrupted ingest left
 /// fails    as ingest; not_found, corrupt: the database; unsupported: one that did not keep all samples. It is then as
 ///          it was
 IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
