@@ -16,7 +16,7 @@ double ErrorRule::share(const HalfDiamond& half, const Plane<double>& codes, con
     if (rise == 0) return 0.0;
     return run > 0 ? distance.metres(std::abs(rise)) / run : std::numeric_limits<double>::infinity();  // at a pole
   };
-  const double stretch = std::hypot(1, slope(codes.right, size.width), slope(codes.down, size.height));
+  const double stretch = std::hypot(std::hypot(1, slope(codes.right, size.width)), slope(codes.down, size.height));
   constexpr double kRoundedUp = 1 + 8 * std::numeric_limits<double>::epsilon();
   return std::min(1.0, kRoundedUp / stretch);
 }

@@ -32,6 +32,8 @@ void require_plausible(const Manifest& m) {
                          d.finest_tolerance}) {
     if (!std::isfinite(v)) refuse("a number that is none");
   }
+  if (d.error_kind == ErrorKind::nested && d.error_metric == ErrorMetric::perpendicular)
+    refuse("nested errors that are perpendicular");
   if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("a negative loss");
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
     refuse("number of coarsest pages does not fit the extent");

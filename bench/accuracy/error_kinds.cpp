@@ -1,20 +1,26 @@
 // What kinds of error cost and promise: the vertices that each selects in a window of a model, and how far their mesh
 // really is from the samples. One line of JSON for each kind and tolerance.
 //
-//   error_kinds MODEL COL ROW SIDE METRES...     a window of SIDE + 1 samples each way, without voids
+//   error_kinds MODEL COL ROW SIDE METRES...          a window of SIDE + 1 samples each way, without voids
+//   error_kinds MODEL COL ROW SIDE --judge MESH       the true error of a mesh of the window that martini.cjs wrote
 //
 // Kinds, each of a vertex and its two triangles, saturated and selected above the tolerance:
+//
 //   exact          the largest vertical distance of any sample in the triangles: what Talus stores
 //   perpendicular  the same, at a right angle to the triangle; the paper's metric [P98 §5, Eq. 1]
-//   nested         the vertex's distance from the middle of its ends, and its children's largest on top: a bound,
-//   unmeasured midpoint       the vertex's distance alone: no bound exact16        exact on the ladder of stored
-//   errors, 16 bits exact8         exact on 255 steps of equal ratio from the smallest error above 0 to the largest,
-//   rounded up paper          perpendicular, selected at the tolerance too [P98 §4], for its Table 1
+//   nested         the vertex's distance from the middle of its ends, and its children's largest on top: a bound, unmeasured
+//   midpoint       the vertex's distance alone: no bound
+//   exact16        exact on the ladder of stored errors, 16 bits
+//   exact8         exact on 255 steps of equal ratio from the smallest error above 0 to the largest, rounded up
+//   paper          perpendicular, selected at the tolerance too [P98 §4], for its Table 1
+//
 // Plain loops over everything: a reference, not a measure of time.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -52,6 +58,8 @@ class Window {
     cell_height_ = ground.metres(here, {here.x, here.y + m.dy});
     for (const GridPoint p : border_vertices(region_, root_)) border_.push_back(p);
   }
+
+  [[nodiscard]] double height(GridPoint p) const { return samples_.values[samples_.index(p)]; }
 
   /// Metres, by vertex of the window, row by row; those of the root's corners do not count.
   [[nodiscard]] std::vector<double> errors(const std::string& kind) const {
@@ -176,6 +184,30 @@ void print(const Window& window, const std::string& name, const std::vector<doub
              tolerance, mesh.points.size(), mesh.triangles.size(), window.true_error_of(mesh));
 }
 
+/// As martini.cjs writes one: counts of vertices and triangles, columns and rows in 16 bits, indices in 32.
+Mesh mesh_in(const std::string& file, const Window& window, GridRect region) {
+  std::ifstream in(file, std::ios::binary);
+  const auto read = [&](auto& numbers) {
+    in.read(reinterpret_cast<char*>(numbers.data()), static_cast<std::streamsize>(numbers.size() * sizeof(numbers[0])));
+    if (!in) throw Failure(Cause::io, file + ": too short for a mesh");
+  };
+  std::vector<std::uint32_t> counts(2);
+  read(counts);
+  std::vector<std::uint16_t> places(2 * std::size_t{counts[0]});
+  std::vector<std::uint32_t> corners(3 * std::size_t{counts[1]});
+  read(places);
+  read(corners);
+  Mesh mesh;
+  mesh.region = region;
+  for (std::size_t i = 0; i < places.size(); i += 2) {
+    const GridPoint p{region.first.col + places[i], region.first.row + places[i + 1]};
+    mesh.points.push_back(p);
+    mesh.heights.push_back(window.height(p));
+  }
+  for (std::size_t i = 0; i < corners.size(); i += 3) mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+  return mesh;
+}
+
 void run(const std::string& model, GridRect region, const std::vector<double>& tolerances) {
   const Window window(model, region);
   const std::vector<double> exact = window.errors("exact"), perpendicular = window.errors("perpendicular");
@@ -196,14 +228,20 @@ void run(const std::string& model, GridRect region, const std::vector<double>& t
 
 int main(int count, char** words) try {
   if (count < 6) {
-    std::fputs("error_kinds MODEL COL ROW SIDE METRES...\n", stderr);
+    std::fputs("error_kinds MODEL COL ROW SIDE METRES... | --judge MESH\n", stderr);
     return 2;
   }
   const std::int32_t col = std::stoi(words[2]), row = std::stoi(words[3]), side = std::stoi(words[4]);
+  const talus::GridRect region{{col, row}, {col + side, row + side}};
+  GDALAllRegister();
+  if (std::strcmp(words[5], "--judge") == 0 && count == 7) {
+    const talus::bench::Window window(words[1], region);
+    fmt::print("{{\"true_error\": {}}}\n", window.true_error_of(talus::bench::mesh_in(words[6], window, region)));
+    return 0;
+  }
   std::vector<double> tolerances;
   for (int i = 5; i < count; ++i) tolerances.push_back(std::stod(words[i]));
-  GDALAllRegister();
-  talus::bench::run(words[1], {{col, row}, {col + side, row + side}}, tolerances);
+  talus::bench::run(words[1], region, tolerances);
 } catch (const std::exception& failure) {
   std::fprintf(stderr, "error_kinds: %s\n", failure.what());
   return 1;

@@ -1,41 +1,49 @@
 #!/usr/bin/python3
 """Measures what docs/accuracy.md says, and writes it there: tables between its marks, pictures beside it.
 
-    page.py BUILD [PAGE]     BUILD: build/release; PAGE: docs/accuracy.md. Models: TALUS_DEM_DIR
+    page.py BUILD [PART...]     BUILD: build/release; parts: ingest windows kinds paper bytes; without any: all
 
-Between `<!-- measured: NAME -->` and `<!-- end -->` everything is replaced; all other words are the author's.
+Between `<!-- measured: PART -->` and `<!-- end -->` everything is replaced; all other words are the author's. Real models are
+found through TALUS_DEM_DIR; those that are not there are left out. martini is asked where `./dev bench peers` has brought it.
 """
 import json
-import math
 import os
 import re
+import statistics
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy
 from osgeo import gdal
 
+from pictures import picture
+
 gdal.UseExceptions()
-# Name, file, first column and row of a window of 513² samples without voids.
-WINDOWS = [("S36E149, hills", "srtm3_S36E149.tif", 88, 88), ("Kenya, one mountain", "kenya_central_z11.tif", 3712, 2944),
-           ("Taiwan, mountains", "taiwan_z13/taiwan.vrt", 5000, 10000), ("Swiss Alps", "swiss_germany_3s/swiss_germany.vrt", None, None),
-           ("bigtujunga, 30 m", "bigtujunga_30m_utm11.tif", 64, 64), ("gabilan, 10 m", "gabilan.bil", 128, 128)]
 SIDE = 512
-LADDER = [0.5, 0.7, 1, 1.4, 2, 2.8, 4, 5, 6.3, 8, 10, 14, 20, 28, 40, 50]
+# Windows of 513² samples without voids: name, file, first column and row; None: the roughest there is.
+WINDOWS = [("S36E149, 90 m, hills", "srtm3_S36E149.tif", 88, 88),
+           ("Kenya, 38 m, one mountain", "kenya_central_z11.tif", 3712, 2944),
+           ("Taiwan, 19 m, mountains", "taiwan_z13/taiwan.vrt", 5000, 10000),
+           ("Swiss Alps, 90 m", "swiss_germany_3s/swiss_germany.vrt", None, None),
+           ("bigtujunga, 30 m, canyons", "bigtujunga_30m_utm11.tif", 64, 64),
+           ("gabilan, 1 m, lidar", "gabilan.bil", 128, 128)]
+KINDS = {"exact": ["--error", "exact"], "nested": ["--error", "nested"], "midpoint": ["--error", "midpoint", "--no-guarantee"],
+         "perpendicular": ["--metric", "perpendicular"]}
+TOLERANCES = [0.5, 1, 2, 5, 10, 20, 50]  # of answers that are timed
+FINE = [round(0.3 * 1.25**i, 3) for i in range(24)]  # to see which tolerance of one kind is worth that of another
 PAPER = [("Interlaken, 25 m, mountains", "dhm25/dhm25_interlaken_lv95.bt", 64, 64),
-         ("gabilan, 10 m, hills", "gabilan.bil", 256, 256), ("S36E149, 90 m, hills", "srtm3_S36E149.tif", 512, 512)]
+         ("S36E149, 90 m, hills", "srtm3_S36E149.tif", 512, 512), ("gabilan, 1 m, low hills", "gabilan.bil", 256, 256)]
 PUBLISHED = [("Albis, 25 m, hills", [25921, 19773, 11636, 4664, 1789]),
              ("Matterhorn, 25 m, mountains", [25921, 22492, 17156, 10492, 6367])]
-# For bytes: whole models, at most 2049² samples.
-MODELS = [("S36E149", "srtm3_S36E149.tif"), ("N46E008", "srtm3_N46E008.tif"), ("bigtujunga", "bigtujunga_30m_utm11.tif"),
-          ("gabilan", "gabilan.bil")]
-COLOURS = {"exact": "#1b6ca8", "nested": "#2e8b57", "midpoint": "#c0392b", "perpendicular": "#8e44ad", "exact8": "#888888",
-           "bounded": "#2e8b57", "dense": "#e08e0b", "LERC": "#c0392b", "overviews": "#888888"}
 
 
 def run(*words):
-    return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"page: {' '.join(map(str, words))}: {done.stderr.strip()}")
+    return done.stdout
 
 
 def models():
@@ -43,8 +51,9 @@ def models():
 
 
 def without_voids(file):
-    """The roughest window of SIDE + 1 samples, at multiples of 64, in which all is data."""
-    band = gdal.Open(str(file)).GetRasterBand(1)
+    """Where the roughest window stands, at multiples of 64, in which all is data."""
+    dataset = gdal.Open(str(file))
+    band = dataset.GetRasterBand(1)
     heights, void = band.ReadAsArray(), band.GetNoDataValue()
     best = None
     for row in range(0, heights.shape[0] - SIDE, 64):
@@ -52,197 +61,251 @@ def without_voids(file):
             part = heights[row:row + SIDE + 1, col:col + SIDE + 1]
             if void is not None and (part == void).any():
                 continue
-            range_ = float(part.max()) - float(part.min())
-            if best is None or range_ > best[0]:
-                best = (range_, col, row)
+            if best is None or numpy.ptp(part) > best[0]:
+                best = (numpy.ptp(part), col, row)
     return best[1:]
 
 
-def kinds_of(build, file, col, row, side, tolerances):
-    """Of each kind: rows of tolerance, vertices, triangles, true_error."""
-    lines = run(build / "bench/accuracy/error_kinds", file, col, row, side, *tolerances).splitlines()
-    found = {}
-    for line in map(json.loads, lines):
-        found.setdefault(line["kind"], []).append(line)
-    return found
+class Bench:
+    """Programs, a folder for what they make, and the windows that are there, cut out as rasters of their own."""
+
+    def __init__(self, build):
+        self.talus, self.error_kinds = build / "app/talus", build / "bench/accuracy/error_kinds"
+        self.scratch = build / "kept/accuracy"
+        self.scratch.mkdir(parents=True, exist_ok=True)
+        module = build / "kept/peers/node_modules/@mapbox/martini/martini.js"
+        self.martini = module if module.exists() else None
+        self.windows = []
+        for name, file, col, row in WINDOWS:
+            if not (models() / file).exists():
+                print(f"{name} is left out: no {file}")
+                continue
+            if col is None:
+                col, row = without_voids(models() / file)
+            cut = self.scratch / (name.split(",")[0].replace(" ", "_") + ".tif")
+            if not cut.exists():
+                gdal.Translate(str(cut), str(models() / file), srcWin=[col, row, SIDE + 1, SIDE + 1])
+            self.windows.append((name, cut))
+
+    def database(self, cut, kind):
+        file = cut.with_name(f"{cut.stem}-{kind}.talus")
+        if not file.exists():
+            run(self.talus, "ingest", cut, file, "--progress", "none", *KINDS[kind])
+        return file
+
+    def counted(self, cut, tolerances, side=SIDE, col=0, row=0):
+        """By plain loops, of each kind: rows of tolerance, vertices, triangles, true_error."""
+        found = {}
+        for line in map(json.loads, run(self.error_kinds, cut, col, row, side, *tolerances).splitlines()):
+            found.setdefault(line["kind"], []).append(line)
+        return found
+
+    def measured(self, cut, kind):
+        """By `talus accuracy`: falling tolerance."""
+        words = [self.talus, "accuracy", self.database(cut, kind), "--against", cut, "--json", "--tolerances",
+                 ",".join(map(str, TOLERANCES)), "--time", "10ms"]
+        points = json.loads(run(*words))["points"]
+        return [p for p in points if p["tolerance"] in TOLERANCES]
 
 
-# ---- pictures ----------------------------------------------------------------------------------------------
+class Martini:
+    """Asked as bench/peers asks it: a line of numbers for a line."""
+
+    def __init__(self, bench, cut):
+        self.bench, self.cut = bench, cut
+        heights = gdal.Open(str(cut)).ReadAsArray().astype(numpy.float32)
+        heights.tofile(bench.scratch / "heights.f32")
+        self.node = subprocess.Popen(["node", "bench/peers/martini.cjs", str(bench.martini), str(bench.scratch / "heights.f32")],
+                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        for _ in range(10):  # until it is as fast as it gets
+            self.ask("mesh 1")
+
+    def ask(self, question):
+        print(question, file=self.node.stdin, flush=True)
+        return [float(word) for word in self.node.stdout.readline().split()]
+
+    def row(self, tolerance):
+        answers = [self.ask(f"mesh {tolerance}") for _ in range(9)]
+        mesh = self.bench.scratch / "martini.mesh"
+        self.ask(f"write {tolerance} {mesh}")
+        error = json.loads(run(self.bench.error_kinds, self.cut, 0, 0, SIDE, "--judge", mesh))["true_error"]
+        # By the clock: errors and mesh.
+        return {"tolerance": tolerance, "vertices": answers[0][4], "largest_error": error,
+                "warm_seconds": statistics.median(a[1] + a[3] for a in answers) / 1000}
+
+    def end(self):
+        self.node.stdin.close()
+        self.node.wait()
 
 
-def ticks(low, high):
-    """1, 2, 5 in every decade."""
-    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-    return [t for d in range(first, last + 1) for t in (10.0**d, 2 * 10.0**d, 5 * 10.0**d) if low <= t <= high]
+def share(value, of):
+    return f"{100 * value / of - 100:+.0f} %"
 
 
-def short(value):
-    for limit, unit in ((1e6, "M"), (1e3, "k")):
-        if value >= limit:
-            return f"{value / limit:g}{unit}"
-    return f"{value:g}"
+# ---- parts of the page -----------------------------------------------------------------------------------------
 
 
-def panel(left, top, width, height, title, x_title, y_title, curves):
-    """One picture of curves over two logarithmic axes. curves: name → points."""
-    xs = [x for points in curves.values() for x, _ in points]
-    ys = [y for points in curves.values() for _, y in points]
-    x0, x1, y0, y1 = min(xs) / 1.1, max(xs) * 1.1, min(ys) / 1.2, max(ys) * 1.2
-    at = lambda x, y: (left + width * math.log(x / x0) / math.log(x1 / x0), top + height - height * math.log(y / y0) / math.log(y1 / y0))
-    out = [f'<text x="{left}" y="{top - 9}" font-size="13" font-weight="bold">{title}</text>']
-    for axis, (low, high) in (("x", (x0, x1)), ("y", (y0, y1))):
-        marks = ticks(low, high)
-        if len(marks) > 9:
-            marks = [t for t in marks if f"{t:e}"[0] == "1"]
-        for t in marks:
-            px, py = at(t, y0) if axis == "x" else at(x0, t)
-            end = f'x2="{px:.1f}" y2="{top}"' if axis == "x" else f'x2="{left + width}" y2="{py:.1f}"'
-            out.append(f'<line x1="{px:.1f}" y1="{py:.1f}" {end} stroke="#e4e4e4"/>')
-            out.append(f'<text x="{px:.1f}" y="{py + 15:.1f}" font-size="11" text-anchor="middle">{short(t)}</text>' if axis == "x"
-                       else f'<text x="{px - 5:.1f}" y="{py + 4:.1f}" font-size="11" text-anchor="end">{short(t)}</text>')
-    out.append(f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#444"/>')
-    out.append(f'<text x="{left + width / 2}" y="{top + height + 31}" font-size="12" text-anchor="middle">{x_title}</text>')
-    middle = top + height / 2
-    out.append(f'<text x="{left - 42}" y="{middle}" font-size="12" text-anchor="middle" '
-               f'transform="rotate(-90 {left - 42} {middle})">{y_title}</text>')
-    for name, points in curves.items():
-        line = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(*p) for p in points))
-        out.append(f'<polyline points="{line}" fill="none" stroke="{COLOURS[name]}" stroke-width="1.8"/>')
-        out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.3" fill="{COLOURS[name]}"/>' for x, y in (at(*p) for p in points)]
-    return "\n".join(out)
-
-
-def picture(file, panels, legend):
-    """panels: title, x title, y title, curves; three in a row."""
-    width, height = 300, 210
-    out = []
-    for i, (title, x_title, y_title, curves) in enumerate(panels):
-        out.append(panel(62 + (i % 3) * (width + 80), 62 + (i // 3) * (height + 78), width, height, title, x_title, y_title, curves))
-    x = 62
-    for name, words in legend:
-        out.append(f'<line x1="{x}" y1="22" x2="{x + 24}" y2="22" stroke="{COLOURS[name]}" stroke-width="3"/>'
-                   f'<text x="{x + 30}" y="26" font-size="13">{words}</text>')
-        x += 50 + 7.2 * len(words)
-    rows = (len(panels) + 2) // 3
-    whole = f'<svg xmlns="http://www.w3.org/2000/svg" width="{min(3, len(panels)) * (width + 80) + 30}" height="{62 + rows * (height + 78)}" ' \
-            f'font-family="sans-serif"><rect width="100%" height="100%" fill="white"/>\n'
-    Path(file).write_text(whole + "\n".join(out) + "\n</svg>\n")
-
-
-# ---- what is measured ----------------------------------------------------------------------------------------
-
-
-def least_for(rows, true_error):
-    """The fewest vertices with which a kind really keeps an error, among those measured; none if it never did."""
-    kept = [r for r in rows if r["true_error"] <= true_error]
-    return min(kept, key=lambda r: r["vertices"]) if kept else None
-
-
-def error_kinds(build, folder):
-    table = ["| window of 513² | asked | exact | nested | perpendicular | midpoint | true error | exact, 8-bit codes | midpoint, to keep it |",
-             "|---|---|---|---|---|---|---|---|---|"]
-    panels = []
-    for name, file, col, row in WINDOWS:
-        path = models() / file
-        if not path.exists():
+def ingest(bench, folder):
+    """What kinds cost when a database is made: all take turns, each into a file of its own."""
+    rounds = 3
+    lines = ["| ingest, end to end | " + " | ".join(KINDS) + " |", "|---|" + "---|" * len(KINDS)]
+    for name, file in (("Taiwan, 268 M samples", "taiwan_z13/taiwan.vrt"), ("Kenya, 40 M samples", "kenya_central_z11.tif")):
+        if not (models() / file).exists():
             continue
-        if col is None:
-            col, row = without_voids(path)
-        found = kinds_of(build, path, col, row, SIDE, LADDER)
-        at = lambda kind, tolerance: next(r for r in found[kind] if r["tolerance"] == tolerance)
+        seconds, bytes_ = {kind: [] for kind in KINDS}, {}
+        for turn in range(rounds):
+            for kind, words in KINDS.items():
+                if kind == "perpendicular" and turn > 0:
+                    continue  # takes long, and its ratio is no matter of per cents
+                out = bench.scratch / "ingested.talus"
+                made = json.loads(run(bench.talus, "ingest", models() / file, out, "--overwrite", "--json", "--progress", "none", *words))
+                out.unlink()
+                seconds[kind].append(made["seconds"])
+                bytes_[kind] = made["bytes"]
+        base = statistics.median(seconds["midpoint"])
+        lines.append(f"| {name}: time, midpoint = 1 | " + " | ".join(f"{statistics.median(s) / base:.2f}" for s in seconds.values()) + " |")
+        lines.append("| bytes a sample, midpoint = 1 | " + " | ".join(f"{b / bytes_['midpoint']:.2f}" for b in bytes_.values()) + " |")
+        print(f"{name}: {seconds}", flush=True)
+    return lines
+
+
+def windows(bench, folder):
+    """Error against vertices, time and bytes, of databases of each kind and of the peers."""
+    over_vertices, over_time = [], []
+    lines = ["| window of 513² | asked | exact: vertices | time | bytes | nested: vertices | midpoint: vertices | true error | perpendicular: vertices | true error | martini: vertices | time | true error |",
+             "|---" * 13 + "|"]
+    for name, cut in bench.windows:
+        found = {kind: bench.measured(cut, kind) for kind in KINDS}
+        if bench.martini:
+            martini = Martini(bench, cut)
+            found["martini"] = [martini.row(t) for t in sorted(TOLERANCES, reverse=True)]
+            martini.end()
+        curve = lambda kind, cost: [(r[cost], r["largest_error"]) for r in found[kind] if r["largest_error"] > 0]
+        over_vertices.append((name, "vertices", "largest true error, m", {kind: curve(kind, "vertices") for kind in found}))
+        over_time.append((name, "ms", "largest true error, m",
+                          {kind: [(1000 * s, e) for s, e in curve(kind, "warm_seconds")] for kind in found}))
         for tolerance in (1, 5, 20):
-            exact = at("exact", tolerance)
-            share = lambda r: f"{100 * r['vertices'] / exact['vertices'] - 100:+.0f} %"
-            kept = least_for(found["midpoint"], tolerance)
-            table.append(
-                f"| {name if tolerance == 1 else ''} | {tolerance} m | {exact['vertices']:,} | {share(at('nested', tolerance))} | "
-                f"{share(at('perpendicular', tolerance))}, {at('perpendicular', tolerance)['true_error']:.3g} m | "
-                f"{share(at('midpoint', tolerance))} | {at('midpoint', tolerance)['true_error']:.3g} m | "
-                f"{share(at('exact8', tolerance))} | {share(kept) + ' at ' + format(kept['tolerance'], 'g') + ' m' if kept else 'not below ' + format(LADDER[0], 'g') + ' m'} |")
-            assert at("exact16", tolerance)["vertices"] >= exact["vertices"]
-        curves = {kind: [(r["vertices"], r["true_error"]) for r in found[kind] if r["true_error"] > 0]
-                  for kind in ("exact", "nested", "midpoint", "perpendicular")}
-        panels.append((name, "vertices", "largest true error, m", curves))
-        worst = max(at("exact16", t)["vertices"] / at("exact", t)["vertices"] for t in LADDER)
-        print(f"{name}: column {col}, row {row}; 16-bit codes cost at most {100 * worst - 100:.3f} %", flush=True)
-    picture(folder / "error-kinds.svg", panels, [("exact", "exact"), ("nested", "nested"), ("midpoint", "midpoint"),
-                                                 ("perpendicular", "perpendicular")])
-    return table
+            at = {kind: next(r for r in rows if r["tolerance"] == tolerance) for kind, rows in found.items()}
+            exact = at["exact"]
+            row = [name if tolerance == 1 else "", f"{tolerance} m", f"{exact['vertices']:,}", "1", f"{exact['bytes'] / 1000:,.1f} kB",
+                   share(at["nested"]["vertices"], exact["vertices"])]
+            for kind in ("midpoint", "perpendicular"):
+                row += [share(at[kind]["vertices"], exact["vertices"]), f"{at[kind]['largest_error']:.3g} m"]
+            if "martini" in at:
+                theirs = at["martini"]
+                row += [share(theirs["vertices"], exact["vertices"]), f"{theirs['warm_seconds'] / exact['warm_seconds']:.1f} x",
+                        f"{theirs['largest_error']:.3g} m"]
+            else:
+                row += ["", "", ""]
+            lines.append("| " + " | ".join(row) + " |")
+        print(f"{name}: answers", flush=True)
+    legend = [(kind, kind) for kind in KINDS] + [("martini", "martini, without reading the file")]
+    picture(folder / "vertices.svg", over_vertices, legend)
+    picture(folder / "time.svg", over_time, legend)
+    return lines
 
 
-def paper_table(build):
-    table = ["| 161 × 161 samples | 0 m | 1 m | 2 m | 5 m | 10 m |", "|---|---|---|---|---|---|"]
+def kinds(bench, folder):
+    """What a kept error takes: the fewest vertices of each kind whose mesh really lies within it."""
+    lines = ["| window of 513² | really within | exact | nested | midpoint | asked at | perpendicular | asked at | exact, 8-bit codes | 16-bit codes |",
+             "|---" * 10 + "|"]
+    for name, cut in bench.windows:
+        found = bench.counted(cut, sorted({*FINE, 1, 5, 20}))
+        for tolerance in (1, 5, 20):
+            at = lambda kind: next(r for r in found[kind] if r["tolerance"] == tolerance)
+            exact = at("exact")["vertices"]
+
+            def least(kind):
+                kept = [r for r in found[kind] if r["true_error"] <= tolerance]
+                if not kept:
+                    return f"not at {FINE[0]:g} m", ""
+                best = min(kept, key=lambda r: r["vertices"])
+                return share(best["vertices"], exact), f"{best['tolerance']:g} m"
+
+            lines.append("| " + " | ".join([name if tolerance == 1 else "", f"{tolerance} m", f"{exact:,}", share(at("nested")["vertices"], exact),
+                                           *least("midpoint"), *least("perpendicular"), share(at("exact8")["vertices"], exact),
+                                           f"{100 * at('exact16')['vertices'] / exact - 100:+.2f} %"]) + " |")
+        print(f"{name}: kinds", flush=True)
+    return lines
+
+
+def paper(bench, folder):
+    """[P98], Table 1: its metric, its rule."""
+    lines = ["| 161 × 161 samples | 0 m | 1 m | 2 m | 5 m | 10 m |", "|---|---|---|---|---|---|"]
     show = lambda counts: " | ".join(f"{c:,} ({100 * c / 25921:.0f} %)" for c in counts)
-    table += [f"| {name}, published | {show(counts)} |" for name, counts in PUBLISHED]
+    lines += [f"| {name}, published | {show(counts)} |" for name, counts in PUBLISHED]
     for name, file, col, row in PAPER:
-        path = models() / file
-        if path.exists():
-            found = kinds_of(build, path, col, row, 160, [0, 1, 2, 5, 10])
-            table.append(f"| {name}, here | {show([r['vertices'] for r in found['paper']])} |")
-            table.append(f"| the same, true error m | {' | '.join(format(r['true_error'], '.3g') for r in found['paper'])} |")
-    return table
+        if not (models() / file).exists():
+            continue
+        found = bench.counted(models() / file, [0, 1, 2, 5, 10], 160, col, row)["paper"]
+        lines.append(f"| {name}, here | {show([r['vertices'] for r in found])} |")
+        lines.append("| the same, true vertical error | " + " | ".join(f"{r['true_error']:.3g} m" for r in found) + " |")
+    return lines
 
 
-def overviews(file, scratch):
+def overviews(cut, scratch):
     """GDAL's averaged overviews: bytes, and the largest distance of a sample from them, interpolated bilinearly."""
-    band = gdal.Open(str(file)).GetRasterBand(1)
-    heights, void = band.ReadAsArray().astype(float), band.GetNoDataValue()
+    heights = gdal.Open(str(cut)).ReadAsArray().astype(float)
+    predictor = 2 if heights.dtype.kind == "i" else 3
     rows = []
     for factor in (2, 4, 8, 16):
-        size = dict(width=max(1, heights.shape[1] // factor), height=max(1, heights.shape[0] // factor))
+        size = {"width": max(1, heights.shape[1] // factor), "height": max(1, heights.shape[0] // factor)}
         small, large = scratch / "small.tif", scratch / "large.tif"
-        gdal.Translate(str(small), str(file), resampleAlg="average", **size,
-                       creationOptions=["COMPRESS=ZSTD", "PREDICTOR=2" if band.DataType == gdal.GDT_Int16 else "PREDICTOR=3", "TILED=YES"])
-        gdal.Translate(str(large), str(small), resampleAlg="bilinear", width=heights.shape[1], height=heights.shape[0],
-                       outputType=gdal.GDT_Float32)
+        gdal.Translate(str(small), str(cut), resampleAlg="average", outputType=gdal.GDT_Float32, **size,
+                       creationOptions=["COMPRESS=ZSTD", f"PREDICTOR={predictor}", "TILED=YES"])
+        gdal.Translate(str(large), str(small), resampleAlg="bilinear", width=heights.shape[1], height=heights.shape[0])
         there = gdal.Open(str(large)).ReadAsArray().astype(float)
-        both = (heights != void) & (there != void) if void is not None else numpy.ones(heights.shape, bool)
-        rows.append((small.stat().st_size, float(numpy.abs(heights - there)[both].max())))
+        rows.append((small.stat().st_size, float(numpy.abs(heights - there).max())))
     return rows
 
 
-def heights_of_streams(build, folder, scratch):
-    table = ["| model | asked | exact kB | bounded | dense | LERC |", "|---|---|---|---|---|---|"]
+def bytes_(bench, folder):
+    """Streams of each mode of heights beside LERC at the same bound, and overviews."""
+    lines = ["| window of 513² | asked | exact: vertices | kB | bounded: vertices | kB | dense: vertices | kB | LERC_ZSTD, kB |", "|---" * 9 + "|"]
     panels = []
-    talus = build / "app/talus"
-    for name, file in MODELS:
-        path = models() / file
-        if not path.exists():
-            continue
-        database = scratch / (path.stem + ".talus")
-        if not database.exists():
-            run(talus, "ingest", path, database)
-        curves = {kind: [] for kind in ("exact", "bounded", "dense", "LERC")}
-        for tolerance in (1, 2, 5, 10, 20):
-            for kind in ("exact", "bounded", "dense"):
-                run(talus, "query", database, "--tolerance", tolerance, "--heights", kind, "-o", scratch / "a.rqt")
-                curves[kind].append(((scratch / "a.rqt").stat().st_size, tolerance))
-            gdal.Translate(str(scratch / "lerc.tif"), str(path),
-                           creationOptions=["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={tolerance}", "TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256"])
-            curves["LERC"].append(((scratch / "lerc.tif").stat().st_size, tolerance))
-            table.append(f"| {name if tolerance == 1 else ''} | {tolerance} m | "
-                         + " | ".join(f"{curves[kind][-1][0] / 1000:,.1f}" for kind in curves) + " |")
-        curves["overviews"] = overviews(path, scratch)
+    for name, cut in bench.windows:
+        database, stream = bench.database(cut, "exact"), bench.scratch / "answer.rqt"
+        curves = {"exact": [], "bounded": [], "dense": [], "LERC": []}
+        for tolerance in (0.5, 1, 2, 5, 10, 20, 50):
+            row = [name if tolerance == 1 else "", f"{tolerance:g} m"]
+            for heights in ("exact", "bounded", "dense"):
+                made = json.loads(run(bench.talus, "query", database, "--tolerance", tolerance, "--heights", heights, "-o", stream, "--json"))
+                curves[heights].append((stream.stat().st_size, tolerance))
+                row += [f"{made['vertices']:,}", f"{stream.stat().st_size / 1000:,.1f}"]
+            lerc = bench.scratch / "lerc.tif"
+            gdal.Translate(str(lerc), str(cut), creationOptions=["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={tolerance}", "TILED=YES"])
+            curves["LERC"].append((lerc.stat().st_size, tolerance))
+            if tolerance in (1, 5, 20):
+                lines.append("| " + " | ".join([*row, f"{lerc.stat().st_size / 1000:,.1f}"]) + " |")
+        curves["overviews"] = overviews(cut, bench.scratch)
         panels.append((name, "bytes", "largest error, m", curves))
         print(f"{name}: bytes", flush=True)
-    picture(folder / "bytes.svg", panels, [("exact", "exact heights"), ("bounded", "bounded"), ("dense", "dense"), ("LERC", "LERC_ZSTD"),
-                                           ("overviews", "GDAL overviews, whose error nobody states")])
-    return table
+    picture(folder / "bytes.svg", panels,
+            [("exact", "exact heights"), ("bounded", "bounded"), ("dense", "dense"), ("LERC", "LERC_ZSTD"),
+             ("overviews", "GDAL overviews at 1/2 to 1/16, whose error nobody states")])
+    return lines
+
+
+PARTS = {"ingest": ingest, "windows": windows, "kinds": kinds, "paper": paper, "bytes": bytes_}
 
 
 def main():
-    build, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2] if len(sys.argv) > 2 else "docs/accuracy.md")
-    folder, scratch = page.parent / "accuracy", build / "kept" / "accuracy"
-    folder.mkdir(parents=True, exist_ok=True)
-    scratch.mkdir(parents=True, exist_ok=True)
-    measured = {"kinds": error_kinds(build, folder), "paper": paper_table(build), "heights": heights_of_streams(build, folder, scratch)}
-    text = page.read_text()
-    for name, lines in measured.items():
-        mark = f"<!-- measured: {name} -->"
+    build, wanted = Path(sys.argv[1]).resolve(), sys.argv[2:] or list(PARTS)
+    unknown = [part for part in wanted if part not in PARTS]
+    if unknown:
+        sys.exit(f"page: no part {unknown[0]}: there are {' '.join(PARTS)}")
+    page = Path("docs/accuracy.md")
+    folder = page.parent / "accuracy"
+    folder.mkdir(exist_ok=True)
+    bench = Bench(build)
+    for part in wanted:
+        begun = time.monotonic()
+        lines = PARTS[part](bench, folder)
+        text, mark = page.read_text(), f"<!-- measured: {part} -->"
         if mark not in text:
-            sys.exit(f"{page} has no mark {mark}")
-        text = re.sub(re.escape(mark) + r".*?<!-- end -->", lambda _: mark + "\n" + "\n".join(lines) + "\n<!-- end -->", text, flags=re.S)
-    page.write_text(text)
+            sys.exit(f"page: {page} has no mark {mark}")
+        page.write_text(re.sub(re.escape(mark) + r".*?<!-- end -->", lambda _: mark + "\n" + "\n".join(lines) + "\n<!-- end -->", text, flags=re.S))
+        print(f"{part}: written, {time.monotonic() - begun:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

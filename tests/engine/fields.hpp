@@ -82,12 +82,17 @@ struct Field {
   [[nodiscard]] int levels() const { return levels_of(extent); }
 
  private:
+  /// Its triangles leave the extent: smaller ones may have it at an end of their hypotenuse.
+  [[nodiscard]] bool leaves(GridPoint p) const {
+    const std::int32_t s = spacing(p);
+    return s > 1 && !(extent.contains({p.col - s, p.row - s}) && extent.contains({p.col + s, p.row + s}));
+  }
   void fill() {
     for (std::int32_t row = extent.first.row; row <= extent.last.row; ++row) {
       for (std::int32_t col = extent.first.col; col <= extent.last.col; ++col) {
         const GridPoint p{col, row};
         if (valid[index(p)]) continue;
-        const bool needed = spacing(p) >= kBlockSide || voids->apex_triangles_with_data(p) != 0;
+        const bool needed = spacing(p) >= kBlockSide || voids->apex_triangles_with_data(p) != 0 || leaves(p);
         const double height = needed ? plain_fill(input.field, p).value_or(0) : 0;
         std::visit([&](auto& c) { c[index(p)] = static_cast<std::decay_t<decltype(c[0])>>(height); }, codes);
       }
