@@ -69,7 +69,6 @@ void require_plausible(const StreamTaker& in, const StreamHeader& h) {
       d.finest_tolerance < 0 || q.origin.quantum.value < 0)
     in.refuse("impossible height step, unit, weight, loss or quantum");
   if ((h.kind == CodeKind::quanta) != (q.origin.quantum.value > 0)) in.refuse("a quantum that does not fit the heights' code");
-  if (h.kind == CodeKind::whole && !d.step.integer) in.refuse("whole codes of heights that have none");
   if (!(q.tolerance.value >= 0) || !(q.bound.value >= 0) || !(h.from.value >= 0)) in.refuse("a tolerance or bound that is none");
   if (h.is_increment ? !(q.tolerance < h.from) || !q.origin.is_plain : h.from.value != kInfinity)
     in.refuse("a tolerance to go on from that does not fit");

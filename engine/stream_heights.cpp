@@ -47,8 +47,9 @@ double tolerance_in_codes(CodeKind kind, const Description& d, const HeightStep&
   return std::ldexp(tolerance.value / d.metres_per_unit, (kind == CodeKind::floats ? 23 : 52) - std::ilogb(largest));
 }
 
+/// Floats that happen to be whole numbers are their own codes.
 HeightStep step_of(CodeKind kind, const Description& d, Metres quantum) {
-  if (kind != CodeKind::quanta) return d.step;
+  if (kind != CodeKind::quanta) return d.step.integer ? d.step : HeightStep{};
   HeightStep step;
   step.scale = quantum.value / d.metres_per_unit;
   return step;
@@ -59,27 +60,28 @@ HeightStep step_of(CodeKind kind, const Description& d, Metres quantum) {
 HeightCoding HeightCoding::of(const Description& d, Metres quantum, Metres tolerance,
                               std::span<const std::span<const double>> heights) {
   HeightCoding coding;
-  coding.kind = quantum.value > 0 ? CodeKind::quanta : d.step.integer ? CodeKind::whole : CodeKind::floats;
+  coding.kind = quantum.value > 0 ? CodeKind::quanta : CodeKind::whole;
   coding.step = step_of(coding.kind, d, quantum);
   double largest = 0, code = 0;
-  for (const auto& some : heights) {
-    for (const double h : some) {
-      if (!std::isfinite(h)) throw Failure(Cause::invalid_argument, "a height that is no number cannot be written");
-      if (coding.kind == CodeKind::whole || coding.kind == CodeKind::quanta) {
-        if (whole_code(coding.step, h, code)) {
-          largest = std::max(largest, std::abs(code));
-          continue;
-        }
-        if (coding.kind == CodeKind::quanta)
-          throw Failure(Cause::invalid_argument, "a height that is no multiple of the quantum cannot be written");
-        return of([&] {
-          Description plain = d;
-          plain.step.integer = false;
-          return plain;
-        }(), quantum, tolerance, heights);
-      }
-      if (!same_bits(static_cast<double>(static_cast<float>(h)), h)) coding.kind = CodeKind::doubles;
-    }
+  const auto all = [&](auto&& fits) {
+    return std::ranges::all_of(heights, [&](std::span<const double> some) {
+      return std::ranges::all_of(some, [&](double h) {
+        if (!std::isfinite(h)) throw Failure(Cause::invalid_argument, "a height that is no number cannot be written");
+        return fits(h);
+      });
+    });
+  };
+  const bool are_whole = all([&](double h) {
+    if (!whole_code(coding.step, h, code)) return false;
+    largest = std::max(largest, std::abs(code));
+    return true;
+  });
+  if (!are_whole) {
+    if (coding.kind == CodeKind::quanta)
+      throw Failure(Cause::invalid_argument, "a height that is no multiple of the quantum cannot be written");
+    const bool are_floats = all([](double h) { return same_bits(static_cast<double>(static_cast<float>(h)), h); });
+    coding.kind = are_floats ? CodeKind::floats : CodeKind::doubles;
+    largest = 0;
   }
   coding.is_wide = coding.kind == CodeKind::doubles || largest >= kMostNarrow;
   coding.tolerance = tolerance_in_codes(coding.kind, d, coding.step, tolerance);

@@ -34,7 +34,7 @@ KINDS = {"exact": ["--error", "exact"], "nested": ["--error", "nested"], "midpoi
 TOLERANCES = [0.5, 1, 2, 5, 10, 20, 50]  # of answers that are timed
 FINE = [round(0.3 * 1.25**i, 3) for i in range(24)]  # to see which tolerance of one kind is worth that of another
 PAPER = [("Interlaken, 25 m, mountains", "dhm25/dhm25_interlaken_lv95.bt", 64, 64),
-         ("S36E149, 90 m, hills", "srtm3_S36E149.tif", 512, 512), ("gabilan, 1 m, low hills", "gabilan.bil", 256, 256)]
+         ("bigtujunga, 30 m, mountains", "bigtujunga_30m_utm11.tif", 64, 64), ("S36E149, 90 m, hills", "srtm3_S36E149.tif", 512, 512)]
 PUBLISHED = [("Albis, 25 m, hills", [25921, 19773, 11636, 4664, 1789]),
              ("Matterhorn, 25 m, mountains", [25921, 22492, 17156, 10492, 6367])]
 

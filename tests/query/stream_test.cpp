@@ -285,6 +285,33 @@ TEST(Streams, OfMoreVerticesThanAllowedAreRefused) {
   }
 }
 
+TEST(Streams, FloatsThatAreWholeNumbersTakeNoMoreThanWholeNumbers) {
+  const Terrain whole = fit(fractal(90, 70, 4, 600), SampleType::int16);
+  const auto bytes_of = [](const Terrain& terrain, SampleType type) {
+    RasterOptions file;
+    file.type = type;
+    const Made made(terrain, file);
+    const Snapshot now = made.now();
+    const RestrictedQuadtree answer = now.range(now.description().extent, Metres{2}).quadtree;
+    const Bytes bytes = encode({now.description(), answer});
+    const Stream back = decode_stream(bytes);
+    const auto& heights = std::get<RestrictedQuadtree>(back.content).heights;
+    EXPECT_EQ(heights.size(), answer.heights.size());
+    for (std::size_t i = 0; i < heights.size(); ++i)
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(heights[i]), std::bit_cast<std::uint64_t>(answer.heights[i]));
+    return bytes.size();
+  };
+  const std::size_t short_ints = bytes_of(whole, SampleType::int16), floats = bytes_of(whole, SampleType::float32),
+                    doubles = bytes_of(whole, SampleType::float64);
+  EXPECT_LE(floats, short_ints + 16);
+  EXPECT_LE(doubles, short_ints + 16);
+  Terrain odd = whole;
+  odd.at(45, 35) = -0.0;  // no whole number has that sign
+  EXPECT_GT(bytes_of(odd, SampleType::float32), 2 * short_ints);
+  odd.at(45, 35) = 700.5;
+  EXPECT_GT(bytes_of(odd, SampleType::float32), 2 * short_ints);
+}
+
 TEST(Streams, FilesAreNamedWhereTheyAreDamagedOrMissing) {
   const TempFolder folder;
   const Bytes bytes = examples().front().bytes;
