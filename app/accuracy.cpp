@@ -12,6 +12,7 @@
 #include "app/accuracy_report.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/follow.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/truth.hpp"
@@ -80,7 +81,8 @@ Exit run(const Request& request) {
   const AccuracyReport report = measure_accuracy(request.database, options);
   progress.reset();  // ends its line
 
-  const AccuracyNames names{request.database, request.against.empty() ? "" : name_of(request.against)};
+  AccuracyNames names{request.database, request.against.empty() ? "" : name_of(request.against)};
+  if (const auto query = advised_query(report, names); !query.empty()) names.followed_seconds = seconds_of(query);
   for (const std::string& output : request.outputs) {
     const std::string text = is_page(output) ? accuracy_html(report, names) : accuracy_svg(report, names);
     const HoldInterrupts whole_file_or_none;

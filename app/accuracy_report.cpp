@@ -63,12 +63,17 @@ std::string bbox_of(const Description& d, GridRect w) {
                      d.mapping.y(w.first.row));
 }
 
-/// The advised answer, asked for: of several windows the typical one's.
+/// The advised answer, asked for.
 std::string command(const AccuracyReport& report, const AccuracyNames& names) {
-  const AccuracyPoint* const p = advised(report);
-  if (p == nullptr) return "";
-  return fmt::format("talus query {} --tolerance {} --bbox={}", quoted(names.database), p->tolerance.value,
-                     bbox_of(report.description, report.windows[p->typical_window]));
+  std::string text;
+  for (const std::string& word : advised_query(report, names)) text += " " + quoted(word);
+  return text.empty() ? text : "talus" + text;
+}
+
+std::string followed_text(const AccuracyNames& names) {
+  if (!names.followed_seconds) return "";
+  return fmt::format("which took {} just now: a program that has just started pays for fresh memory, too",
+                     timed(*names.followed_seconds));
 }
 
 std::string question_text(const AccuracyReport& report) {
@@ -253,6 +258,13 @@ std::string recommendation(const AccuracyReport& report) {
   return text + ".";
 }
 
+std::vector<std::string> advised_query(const AccuracyReport& report, const AccuracyNames& names) {
+  const AccuracyPoint* const p = advised(report);
+  if (p == nullptr) return {};
+  return {"query", names.database, "--tolerance", fmt::format("{}", p->tolerance.value),
+          "--bbox=" + bbox_of(report.description, report.windows[p->typical_window])};
+}
+
 std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& names) {
   Table table;
   table.add("question", question_text(report));
@@ -266,6 +278,7 @@ std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& nam
     if (p != nullptr) text += "  " + what_it_is(report, *p) + "\n";
   }
   if (const std::string follow = command(report, names); !follow.empty()) text += "  " + follow + "\n";
+  if (const std::string took = followed_text(names); !took.empty()) text += "  " + took + "\n";
   return text;
 }
 
@@ -294,6 +307,7 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
     advice["is_finest"] = report.advice.is_finest;
     advice["bbox"] = bounds(report.description, report.windows[p->typical_window]);
     advice["command"] = command(report, names);
+    advice["command_seconds"] = names.followed_seconds ? Json(*names.followed_seconds) : Json();
   }
   Json json{{"database", names.database},
             {"windows", windows},
@@ -357,6 +371,7 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
   }
   advice += "</ul>\n";
   if (const std::string follow = command(report, names); !follow.empty()) advice += "<pre>" + xml(follow) + "</pre>\n";
+  if (const std::string took = followed_text(names); !took.empty()) advice += "<p>" + xml(took) + "</p>\n";
   std::string terms = "<dl>\n";
   const auto add = [&](const char* term, const std::string& text) {
     terms += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, xml(text));

@@ -1,6 +1,7 @@
 #pragma once
 // What a measurement of accuracy says: in words, as a table, as JSON, as pictures.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,14 @@ namespace talus::app {
 struct AccuracyNames {
   std::string database;
   std::string truth;  ///< of the raster; empty: the database's own samples
+  /// What the advised query took when it was asked from a standing start; nothing: not tried.
+  std::optional<double> followed_seconds = {};
 };
 
 /// "For 10 ms you can have 3.2 m; for 1 m you pay 41 ms."
 [[nodiscard]] std::string recommendation(const AccuracyReport& report);
+/// The advised answer as arguments of `talus`, of several windows the typical one's; none where nothing is advised.
+[[nodiscard]] std::vector<std::string> advised_query(const AccuracyReport& report, const AccuracyNames& names);
 /// For people at a terminal.
 [[nodiscard]] std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& names);
 [[nodiscard]] Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names);

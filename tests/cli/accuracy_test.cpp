@@ -61,6 +61,7 @@ class Accuracy : public Command {
     command.erase(command.begin());
     command.push_back("--json");
     EXPECT_LE(json_of(talus(command))["vertices"], advice["vertices"]);
+    EXPECT_GT(advice["command_seconds"], 0) << "it is tried, too";
   }
 };
 
