@@ -21,7 +21,8 @@ double naive_cut(double from, double to, double t) { return from + t * (to - fro
 
 HardCase hard_case() {
   HardCase hard{.terrain = fractal(140, 90, 23, 1200)};
-  for (double& height : hard.terrain.values) height *= 1.1;  // all bits of a double
+  double turn = 0;
+  for (double& height : hard.terrain.values) height += std::sin(turn += 0.7) - 1400;  // all bits of a double, about sea level
   hard.file.type = SampleType::float64;
   return hard;
 }
