@@ -117,11 +117,14 @@ void require_fit_for_heights(const Request& request) {
   if (request.heights.are_exact()) return;
   if (!request.is_plain()) {
     throw Failure(Cause::invalid_argument,
-                  "--heights bounded and dense go with a rectangle, a tolerance or a budget and --border constrain: without "
+                  "--heights bounded, fitted and dense go with a rectangle, a tolerance or a budget and --border constrain: without "
                   "--focus, --max-level, --match, --tolerance-raster, points, lines and other borders");
   }
-  if (!request.from.empty() && request.heights.are_dense())
-    throw Failure(Cause::invalid_argument, "--heights dense rounds at each tolerance otherwise: nothing goes on to it from another answer");
+  if (!request.from.empty() && (request.heights.are_dense() || request.heights.are_fitted())) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--heights {} has other heights at each tolerance: nothing goes on to it from another answer",
+                              request.heights.heights));
+  }
   if (!request.from.empty() && request.heights.quantum.empty())
     throw Failure(Cause::invalid_argument, "--from with --heights bounded goes on from an answer with the same --quantum: name it");
 }
@@ -177,6 +180,7 @@ Exit run(const Request& request) {
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
   const Answer answer = request.heights.are_exact() ? now.ask(question)
                         : request.heights.are_dense() ? now.dense(question.region, tolerance)
+                        : request.heights.are_fitted() ? now.fitted(question.region, tolerance, quantum)
                         : quantum.value > 0         ? now.quantised(question.region, tolerance, quantum)
                                                     : now.bounded(question.region, tolerance);
   stages.add(answer.cost);

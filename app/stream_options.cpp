@@ -42,23 +42,26 @@ void add_height_words(CLI::App* command, HeightWords& words) {
   command
       ->add_option("--heights", words.heights,
                    "exact: the source's own; bounded: multiples of a quantum, within the tolerance all the same,\n"
-                   "which make .rqt files smaller; dense: nearly every sample, rounded as far as the tolerance\n"
-                   "allows, smaller still where a mesh would need most of them")
-      ->option_text("exact|bounded|dense [exact]");
+                   "which make .rqt files smaller; fitted: moved within the tolerance to where fewest vertices are\n"
+                   "needed; dense: nearly every sample, rounded as far as the tolerance allows, smaller still where a\n"
+                   "mesh would need most of them")
+      ->option_text("exact|bounded|fitted|dense [exact]");
   command
       ->add_option("--quantum", words.quantum,
                    "Of bounded heights, so that increments of the same quantum can go on from the answer; without\n"
-                   "it one is chosen, with fewer vertices, and nothing goes on from the answer")
+                   "it one is chosen, with fewer vertices, and nothing goes on from the answer. Of fitted heights: a\n"
+                   "smaller one needs fewer vertices and more bytes; without it half the tolerance")
       ->option_text("M");
 }
 
 Metres HeightWords::step() const {
-  if (heights != "exact" && heights != "bounded" && heights != "dense") {
+  if (heights != "exact" && heights != "bounded" && heights != "fitted" && heights != "dense") {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("--heights takes exact, bounded or dense; \"{}\" is none of them", heights));
+                  fmt::format("--heights takes exact, bounded, fitted or dense; \"{}\" is none of them", heights));
   }
   if (quantum.empty()) return Metres{0};
-  if (heights != "bounded") throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded");
+  if (heights != "bounded" && !are_fitted())
+    throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded and fitted");
   const Metres step = parse_tolerance(quantum, "--quantum");
   if (!(step.value > 0) || !std::isfinite(step.value))
     throw Failure(Cause::invalid_argument, fmt::format("--quantum takes metres above 0; \"{}\" is not that", quantum));

@@ -19,6 +19,7 @@ struct HeightWords {
   std::string heights = "exact", quantum;
 
   [[nodiscard]] bool are_exact() const { return heights == "exact"; }
+  [[nodiscard]] bool are_fitted() const { return heights == "fitted"; }
   [[nodiscard]] bool are_dense() const { return heights == "dense"; }
   /// 0: none was given. Fails with invalid_argument, naming option and value.
   [[nodiscard]] Metres step() const;

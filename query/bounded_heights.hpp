@@ -21,6 +21,9 @@ namespace talus {
 /// See Snapshot::bounded.
 [[nodiscard]] Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);
 
+/// See Snapshot::fitted.
+[[nodiscard]] Answer fitted_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);
+
 /// See Snapshot::dense.
 [[nodiscard]] Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance);
 

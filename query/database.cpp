@@ -136,6 +136,12 @@ Answer Snapshot::bounded(GridRect region, Metres tolerance, Metres quantum) cons
   return bounded_answer(*this, region, tolerance, quantum);
 }
 
+Answer Snapshot::fitted(GridRect region, Metres tolerance, Metres quantum) const {
+  require_inside(view_->pages, region);
+  require_tolerance(tolerance);
+  return fitted_answer(*this, region, tolerance, quantum);
+}
+
 Answer Snapshot::dense(GridRect region, Metres tolerance) const {
   require_tolerance(tolerance);
   return dense_answer(*this, region, tolerance);

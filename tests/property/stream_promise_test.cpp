@@ -24,7 +24,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-enum class Heights { exact, bounded, quantised, dense };
+enum class Heights { exact, bounded, quantised, dense, fitted, finely_fitted };
 
 struct Case {
   const Snapshot& now;
@@ -48,6 +48,8 @@ Answer asked(const Snapshot& now, GridRect region, Metres tolerance, Heights hei
   return heights == Heights::exact       ? now.range(region, tolerance)
          : heights == Heights::quantised ? now.quantised(region, tolerance, quantum)
          : heights == Heights::dense     ? now.dense(region, tolerance)
+         : heights == Heights::fitted    ? now.fitted(region, tolerance)
+         : heights == Heights::finely_fitted ? now.fitted(region, tolerance, Metres{tolerance.value / 20})
                                          : now.bounded(region, tolerance);
 }
 
@@ -96,7 +98,8 @@ TEST_P(StreamPromise, HoldsOnTheOtherSideOfTheWire) {
     const Metres tolerance{random.log_between(0.05, 100)};
     const Case c{now, raster.terrain, raster.judging, tolerance.value};
     const Metres quantum{tolerance.value * random.log_between(0.1, 1)};
-    for (const Heights heights : {Heights::exact, Heights::bounded, Heights::quantised, Heights::dense}) {
+    for (const Heights heights : {Heights::exact, Heights::bounded, Heights::quantised, Heights::dense, Heights::fitted,
+                                  Heights::finely_fitted}) {
       SCOPED_TRACE("heights " + std::to_string(static_cast<int>(heights)));
       const RestrictedQuadtree answer = asked(now, region, tolerance, heights, quantum).quadtree;
       EXPECT_LE(answer.bound.value, tolerance.value + 1e-8);
@@ -133,7 +136,7 @@ TEST(BoundedHeights, OfNeighboursMeet) {
     const GridRect west{{0, 0}, {middle, rows - 1}}, east{{middle, 0}, {cols - 1, rows - 1}}, both{{0, 0}, {cols - 1, rows - 1}};
     OracleOptions options = raster.judging;
     options.heights_are_source = false;
-    for (const Heights heights : {Heights::bounded, Heights::quantised}) {
+    for (const Heights heights : {Heights::bounded, Heights::quantised, Heights::fitted, Heights::finely_fitted}) {
       const auto a = asked(now, west, tolerance, heights, tolerance).quadtree, b = asked(now, east, tolerance, heights, tolerance).quadtree;
       const OracleReport report =
           check_mesh(join(triangulate(a), triangulate(b), both), raster.terrain, now.description().metres_per_unit, tolerance.value, options);
@@ -142,6 +145,22 @@ TEST(BoundedHeights, OfNeighboursMeet) {
     ++compared;
   }
   EXPECT_GT(compared, cases / 10);
+}
+
+/// Small rasters are mostly border; real terrain: docs/accuracy.md.
+TEST(FittedHeights, NeedFewerVertices) {
+  const TempFolder folder;
+  const Terrain terrain = fit(fractal(257, 257, 31, 900), SampleType::int16);
+  write_raster(terrain, folder / "a.tif", {});
+  ingest(folder / "a.tif", folder / "a.talus");
+  const Snapshot now = Database::open(folder / "a.talus").snapshot();
+  const GridRect all{{0, 0}, {256, 256}};
+  for (const double tolerance : {5.0, 20.0, 60.0}) {
+    const auto vertices = [&](Heights heights) { return asked(now, all, Metres{tolerance}, heights, Metres{1}).quadtree.vertices.size(); };
+    const std::size_t exact = vertices(Heights::exact), fitted = vertices(Heights::fitted), finely = vertices(Heights::finely_fitted);
+    EXPECT_LT(fitted, exact) << tolerance;
+    EXPECT_LT(finely, exact * 9 / 10) << tolerance;
+  }
 }
 
 TEST(BoundedHeights, OfOneQuantumMergeToTheAnswerAskedInOneGo) {
