@@ -261,27 +261,31 @@ def overviews(cut, scratch):
 
 def bytes_(bench, folder):
     """Streams of each mode of heights beside LERC at the same bound, and overviews."""
-    lines = ["| window of 513² | asked | exact: vertices | kB | bounded: vertices | kB | dense: vertices | kB | LERC_ZSTD, kB |", "|---" * 9 + "|"]
+    modes = {"exact": [], "bounded": [], "fitted": [], "finely fitted": ["--quantum"], "dense": []}
+    lines = ["| window of 513² | asked | " + "".join(f"{mode}: vertices | kB | " for mode in modes) + "LERC_ZSTD, kB |", "|---" * 13 + "|"]
     panels = []
     for name, cut in bench.windows:
         database, stream = bench.database(cut, "exact"), bench.scratch / "answer.rqt"
-        curves = {"exact": [], "bounded": [], "dense": [], "LERC": []}
+        curves = {**{mode: [] for mode in modes}, "LERC": []}
         for tolerance in (0.5, 1, 2, 5, 10, 20, 50):
             row = [name if tolerance == 1 else "", f"{tolerance:g} m"]
-            for heights in ("exact", "bounded", "dense"):
-                made = json.loads(run(bench.talus, "query", database, "--tolerance", tolerance, "--heights", heights, "-o", stream, "--json"))
-                curves[heights].append((stream.stat().st_size, tolerance))
-                row += [f"{made['vertices']:,}", f"{stream.stat().st_size / 1000:,.1f}"]
+            for mode, quantum in modes.items():
+                words = ["--heights", mode.split()[-1], *quantum, *([tolerance / 20] if quantum else [])]
+                made = json.loads(run(bench.talus, "query", database, "--tolerance", tolerance, *words, "-o", stream, "--json"))
+                curves[mode].append((stream.stat().st_size, tolerance))
+                exact = made["vertices"] if mode == "exact" else exact
+                row += [f"{made['vertices']:,}" if mode == "exact" else share(made["vertices"], exact), f"{stream.stat().st_size / 1000:,.1f}"]
             lerc = bench.scratch / "lerc.tif"
             gdal.Translate(str(lerc), str(cut), creationOptions=["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={tolerance}", "TILED=YES"])
             curves["LERC"].append((lerc.stat().st_size, tolerance))
             if tolerance in (1, 5, 20):
                 lines.append("| " + " | ".join([*row, f"{lerc.stat().st_size / 1000:,.1f}"]) + " |")
+        del curves["finely fitted"]  # for triangles, not for bytes
         curves["overviews"] = overviews(cut, bench.scratch)
         panels.append((name, "bytes", "largest error, m", curves))
         print(f"{name}: bytes", flush=True)
     picture(folder / "bytes.svg", panels,
-            [("exact", "exact heights"), ("bounded", "bounded"), ("dense", "dense"), ("LERC", "LERC_ZSTD"),
+            [("exact", "exact heights"), ("bounded", "bounded"), ("fitted", "fitted"), ("dense", "dense"), ("LERC", "LERC_ZSTD"),
              ("overviews", "GDAL overviews at 1/2 to 1/16, whose error nobody states")])
     return lines
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 WIDTH, HEIGHT, ACROSS = 300, 210, 3
 COLOURS = {"exact": "#1b6ca8", "nested": "#2e8b57", "midpoint": "#c0392b", "perpendicular": "#8e44ad", "martini": "#d35400",
-           "bounded": "#2e8b57", "dense": "#e08e0b", "LERC": "#c0392b", "overviews": "#888888", "exact8": "#7f8c8d"}
+           "bounded": "#2e8b57", "fitted": "#16a3b8", "dense": "#e08e0b", "LERC": "#c0392b", "overviews": "#888888", "exact8": "#7f8c8d"}
 DASHED = {"LERC", "overviews", "martini", "exact8"}  # peers, and what Talus does not store
 
 
