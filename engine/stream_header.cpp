@@ -64,6 +64,11 @@ void require_plausible(const StreamTaker& in, const StreamHeader& h) {
                          q.origin.quantum.value}) {
     if (!std::isfinite(v)) in.refuse("a number that is none");
   }
+  for (const GridPoint corner : {e.first, e.last}) {
+    if (!std::isfinite(d.mapping.x(corner.col)) || !std::isfinite(d.mapping.y(corner.row))) in.refuse("samples beyond all numbers");
+  }
+  if (d.minimum > d.maximum) in.refuse("a lowest height above the highest");
+  if (!h.is_increment && h.base != 0) in.refuse("an answer with the digest of a base");
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) in.refuse("impossible grid mapping");
   if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0 || d.lossy_metres < 0 ||
       d.finest_tolerance < 0 || q.origin.quantum.value < 0)

@@ -72,7 +72,15 @@ void FoundVertices::take(const Page& page, std::span<const PageSample> samples) 
     here.at[k] = page.grid.at(col, row);
     here.heights[k] = kept_.is_kept(page, col, row) ? page.heights[i] : kept_.at(here.at[k]);
     if (!page.covers.empty()) here.covers[k] = page.covers[i];
+    // A void that no triangle needs has what its page's codec makes of it, which may be far beyond all heights.
+    if (!page.valid.empty() && page.valid[i] == 0 && !is_height(here.heights[k])) here.heights[k] = 0;
   }
+}
+
+bool FoundVertices::is_height(double code) const {
+  const Description& d = pages_.manifest().description;
+  const double height = d.step.value(code);
+  return height >= d.minimum && height <= d.maximum;
 }
 
 RestrictedQuadtree FoundVertices::quadtree(GridRect region, VertexMask vertices) const {

@@ -117,6 +117,7 @@ class FoundVertices {
     std::pmr::vector<std::uint8_t> covers;  ///< empty: all 15
   };
 
+  [[nodiscard]] bool is_height(double code) const;
   const StoredPages& pages_;
   QueryCost& cost_;
   KeptHeights kept_;

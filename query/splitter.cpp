@@ -331,7 +331,9 @@ class Splitter {
     if (std::all_of(q.covers.begin(), q.covers.end(), [](std::uint8_t c) { return c == 15; })) q.covers.clear();
     const RestrictedQuadtree& f = finest_.quadtree;
     const double unit = description_.metres_per_unit;
-    const bool rounds = !CodeDistance(description_.step, unit).is_binary();
+    const double fraction = rounded_.unit() * (1 << 20);  // whole: what is interpolated between multiples is exact
+    const bool rounds = !CodeDistance(description_.step, unit).is_binary() || !description_.step.integer ||
+                        fraction != std::nearbyint(fraction);
     q.bound = Metres{farthest_ * unit + description_.lossy_metres + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
     q.origin = f.origin;
     q.origin.is_plain = false;

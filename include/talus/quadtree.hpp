@@ -116,8 +116,8 @@ struct RestrictedQuadtree {
   std::vector<std::uint8_t> covers;
   Metres tolerance;  ///< as asked
   Metres bound;      ///< no valid sample under the surface is farther from it, along the vertical or as
-                     ///< Description::error_metric says; at most `tolerance` plus, where heights are no binary fractions, a
-                     ///< nanometre of rounding. Infinite where errors are no bounds (ErrorKind::midpoint)
+                     ///< Description::error_metric says; at most `tolerance` plus, where heights are no binary fractions, some
+                     ///< nanometres of rounding. Infinite where errors are no bounds (ErrorKind::midpoint)
   Origin origin;
   /// By log2 of the spacing, to that of the root square's side, which stands for root corners too: the largest error, in
   /// metres, of these vertices save those that the border needs; 0 where there is none. Without the levels finer than one, no
