@@ -62,9 +62,13 @@ void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off)
   for (double& error : q.level_errors) error = error > 0 ? error + off : 0;
 }
 
-void require_some_tolerance(Metres tolerance, const char* heights) {
+void require_some_tolerance(const Description& d, Metres tolerance, const char* heights) {
   if (tolerance.value == 0 || !std::isfinite(tolerance.value))
     refuse(fmt::format("{} heights at a tolerance of {} m: expected one above 0 and finite", heights, tolerance.value));
+  if (tolerance.value <= d.lossy_metres) {
+    refuse(fmt::format("{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already; expected more, or "
+                       "exact heights", heights, tolerance.value, d.lossy_metres));
+  }
 }
 
 }  // namespace
@@ -108,7 +112,8 @@ Increment quantised_increment(const Snapshot& now, GridRect region, Metres from,
 }
 
 Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance) {
-  require_some_tolerance(tolerance, "dense");
+  if (tolerance.value == 0 || !std::isfinite(tolerance.value))
+    refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", tolerance.value));
   const Metres quantum = dense_quantum(now.description(), tolerance);
   return quantum.value > 0 ? quantised_answer(now, region, tolerance, quantum) : now.range(region, tolerance);
 }
@@ -116,7 +121,7 @@ Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance) {
 Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
   const Description& d = now.description();
   if (quantum.value == 0) quantum = quantum_for(d, tolerance);
-  require_some_tolerance(tolerance, "bounded");
+  require_some_tolerance(d, tolerance, "bounded");
   require_quantum(d, Metres{tolerance.value - d.lossy_metres}, quantum);
   Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::rounded);
   RestrictedQuadtree& q = answer.quadtree;
@@ -127,9 +132,9 @@ Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Me
 
 Answer fitted_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
   const Description& d = now.description();
+  require_some_tolerance(d, tolerance, "fitted");
   // A finer quantum needs fewer vertices and more bits for each: see docs/accuracy.md.
-  if (quantum.value == 0) quantum = Metres{tolerance.value / 2};
-  require_some_tolerance(tolerance, "fitted");
+  if (quantum.value == 0) quantum = Metres{(tolerance.value - d.lossy_metres) / 2};
   require_quantum(d, Metres{tolerance.value - d.lossy_metres}, quantum);
   Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::fitted);
   RestrictedQuadtree& q = answer.quadtree;

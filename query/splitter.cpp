@@ -168,7 +168,7 @@ class Splitter {
     };
     const auto surface = [&] { return plane_with([&](std::size_t k) { return fitted_[ranks[k]]; }); };
     const double step = rounded_.unit();
-    const double within = std::max(0.1 * limit_, 0.98 * limit_ - 0.45 * step), reach = 0.999 * limit_ - 0.5 * step;
+    const double within = std::max(0.1 * limit_, 0.98 * limit_ - 0.45 * step), reach = std::max(0.0, 0.999 * limit_ - 0.5 * step);
     Plane<double> plane = surface();
     bool left_out = false;
     for (std::int32_t row = half.top(); row <= half.bottom(); ++row) {

@@ -147,6 +147,38 @@ TEST(BoundedHeights, OfNeighboursMeet) {
   EXPECT_GT(compared, cases / 10);
 }
 
+TEST(FittedHeights, KeepTheBoundWhateverTheQuantum) {
+  const TempFolder folder;
+  const Terrain terrain = fit(random_voids(fractal(70, 50, 3, 300), 0.02, 7), SampleType::int16);
+  write_raster(terrain, folder / "a.tif", {});
+  ingest(folder / "a.tif", folder / "a.talus");
+  IngestOptions rounded;
+  rounded.inputs.height_step = 4;
+  ingest(folder / "a.tif", folder / "rounded.talus", rounded);
+  for (const char* name : {"a.talus", "rounded.talus"}) {
+    const Snapshot now = Database::open(folder / name).snapshot();
+    const GridRect all = now.description().extent;
+    for (const double tolerance : {0.3, 1.0, 2.1, 7.0, 50.0}) {
+      for (const double quantum : {0.0, 0.01, 1.0, 3.0, 5.0}) {
+        SCOPED_TRACE(::testing::Message() << name << ", " << tolerance << " m by " << quantum);
+        std::optional<Answer> answer;
+        try {
+          answer = now.fitted(all, Metres{tolerance}, Metres{quantum});
+        } catch (const Failure& refused) {
+          EXPECT_EQ(refused.cause(), Cause::invalid_argument);
+          EXPECT_TRUE(quantum > tolerance || tolerance <= 2 + quantum) << refused.what();
+          continue;
+        }
+        OracleOptions options;
+        options.heights_are_source = false;
+        const OracleReport report = check_mesh(triangulate(answer->quadtree), terrain, 1, tolerance, options);
+        EXPECT_TRUE(report.sound()) << report.summary();
+        EXPECT_LE(answer->quadtree.bound.value, tolerance + 1e-8);
+      }
+    }
+  }
+}
+
 /// Small rasters are mostly border; real terrain: docs/accuracy.md.
 TEST(FittedHeights, NeedFewerVertices) {
   const TempFolder folder;
