@@ -233,56 +233,79 @@ class BlockErrors {
   }
 
   /// A block with samples beyond the field gets copies of the nearest ones there (so that ranges stay small), which
-  /// do not count.
+  /// do not count. Of rasters a few samples wide every block is cut: only rows that are there are gone through.
   void cut_out(GridPoint corner, Lane& lane, OwnBlock& block) const {
     const GridRect part = part_of_field(corner);
-    Code* to = block.codes<Code>();
-    std::uint8_t* valid = block.valid.data();
-    for (std::int32_t row = corner.row; row <= corner.row + kBlockSide; ++row) {
-      for (std::int32_t col = corner.col; col <= corner.col + kBlockSide; ++col) {
-        const std::size_t i = field_.index(
-            {std::clamp(col, part.first.col, part.last.col), std::clamp(row, part.first.row, part.last.row)});
-        *to++ = heights_[i];
-        *valid++ = part.contains({col, row}) && field_.is_valid(i) ? 1 : 0;
+    const auto first_row = static_cast<std::size_t>(part.first.row - corner.row);
+    const auto first_col = static_cast<std::size_t>(part.first.col - corner.col);
+    const auto rows = static_cast<std::size_t>(part.rows()), cols = static_cast<std::size_t>(part.cols());
+    Code* const heights = block.codes<Code>();
+    block.valid.fill(0);
+    for (std::size_t row = first_row; row < first_row + rows; ++row) {
+      const std::size_t from = field_.index({part.first.col, corner.row + static_cast<std::int32_t>(row)});
+      Code* const line = heights + row * kSide;
+      std::copy_n(&heights_[from], cols, line + first_col);
+      std::fill_n(line, first_col, line[first_col]);
+      std::fill(line + first_col + cols, line + kSide, line[first_col + cols - 1]);
+      std::uint8_t* const valid = block.valid.data() + row * kSide + first_col;
+      if (field_.valid.empty()) {
+        std::fill_n(valid, cols, std::uint8_t{1});
+      } else {
+        std::copy_n(&field_.valid[from], cols, valid);
       }
     }
+    for (std::size_t row = 0; row < kSide; ++row) {
+      if (row >= first_row && row < first_row + rows) continue;
+      std::copy_n(heights + (row < first_row ? first_row : first_row + rows - 1) * kSide, kSide, heights + row * kSide);
+    }
     block.errors.fill(0);
+    block.holds.fill(0);
     for (int level = 0; level < kBlockLevels; ++level) {
-      std::uint8_t* holds = block.holds.data() + kLevelStart[static_cast<std::size_t>(level)];
-      for (int row = 0; row < level_side(level); ++row) {
-        for (int col = 0; col < level_side(level); ++col) {
-          *holds++ = held_by({corner.col + col * (1 << level), corner.row + row * (1 << level)}, level);
-        }
-      }
-      lane.errors[level] = block.errors.data() + kLevelStart[static_cast<std::size_t>(level)];
-      lane.holds[level] = block.holds.data() + kLevelStart[static_cast<std::size_t>(level)];
+      const std::size_t start = kLevelStart[static_cast<std::size_t>(level)];
+      // A vertex beyond the field is the midpoint of no hypotenuse within it.
+      for_each_vertex(part, level, [&](GridPoint p) {
+        block.holds[start + index_of(p, corner, level)] = held_by(p);
+      });
+      lane.errors[level] = block.errors.data() + start;
+      lane.holds[level] = block.holds.data() + start;
       lane.level_stride[level] = level_side(level);
     }
     lane.heights = block.heights.data();
     lane.valid = block.valid.data();
     lane.stride = lane.valid_stride = kSide;
   }
-  [[nodiscard]] std::uint8_t held_by(GridPoint p, int level) const {
-    if (spacing(p) != 1 << level) return 0;
+  [[nodiscard]] std::uint8_t held_by(GridPoint p) const {
     const auto half = [&](int side) {
       if (!inside(half_diamond(p, side), field_.extent)) return kNothing;
       return input_.voids == nullptr ? kData : input_.voids->half(p, side);
     };
     return static_cast<std::uint8_t>(half(0) | half(1) << 2);
   }
+  /// visit(vertex) for those of spacing 1 << level in a part of a block.
+  template <class Visit>
+  static void for_each_vertex(GridRect part, int level, Visit&& visit) {
+    const std::int32_t step = 1 << level;
+    const auto up = [&](std::int32_t i) { return (i + step - 1) & -step; };
+    for (std::int32_t row = up(part.first.row); row <= part.last.row; row += step) {
+      const bool odd = (row & step) != 0;  // all of an odd row; every second of an even one
+      const std::int32_t stride = odd ? step : 2 * step;
+      std::int32_t col = up(part.first.col);
+      if (!odd && (col & step) == 0) col += step;
+      for (; col <= part.last.col; col += stride) visit(GridPoint{col, row});
+    }
+  }
+  [[nodiscard]] static std::size_t index_of(GridPoint p, GridPoint corner, int level) {
+    return static_cast<std::size_t>(((p.row - corner.row) >> level) * level_side(level) + ((p.col - corner.col) >> level));
+  }
 
   /// The errors of a block that was cut out.
   void give_back(GridPoint corner, const OwnBlock& block) {
-    const ErrorCode* from = block.errors.data();
     for (int level = 0; level < kBlockLevels; ++level) {
       const auto units = errors_.units(level);
-      for (int row = 0; row < level_side(level); ++row) {
-        for (int col = 0; col < level_side(level); ++col, ++from) {
-          if (*from == 0) continue;  // those beyond the field among them
-          ErrorCode& error = units.at((corner.col >> level) + col, (corner.row >> level) + row);
-          error = std::max(error, *from);
-        }
-      }
+      for_each_vertex(part_of_field(corner), level, [&](GridPoint p) {
+        ErrorCode& error = units.at(p.col >> level, p.row >> level);
+        error = std::max(error, block.errors[kLevelStart[static_cast<std::size_t>(level)] + index_of(p, corner, level)]);
+      });
     }
   }
 

@@ -50,9 +50,9 @@ std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
 
   for (int shift = 0; std::int64_t{1} << shift < root; ++shift) {  // root corners depend on nothing
     for (const bool centres : {false, true}) {
-      for (const GridPoint p : found.of_level(shift, centres)) {
+      found.for_each_of_level(shift, centres, [&](GridPoint p) {
         for (const GridPoint parent : diamond(p).apexes) take(parent);
-      }
+      });
     }
   }
   std::vector<GridPoint> inside;

@@ -40,7 +40,7 @@ class Sweep {
         } else {
           mark_by_points(s, centres, region_);
         }
-        for (const GridPoint p : beyond_.of_level(shift, centres)) mark_parents(p);
+        beyond_.for_each_of_level(shift, centres, [&](GridPoint p) { mark_parents(p); });
       }
     }
   }

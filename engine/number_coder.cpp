@@ -178,10 +178,10 @@ const Tables& tables() {
   return *made;
 }
 
-/// Bits written from the last to the first: they come out in the order they are read in.
+/// Bits written from the last to the first: they come out in the order they are read in. Into memory that grows.
 class BackwardBits {
  public:
-  explicit BackwardBits(std::size_t bytes) : buffer_(bytes + 16), at_(buffer_.size()) {}
+  explicit BackwardBits(std::vector<std::byte>& buffer) : buffer_(buffer), at_(buffer.size()) {}
   void put(std::uint64_t bits, int count) {  // count <= 32
     held_ = held_ << count | bits;
     count_ += count;
@@ -209,12 +209,12 @@ class BackwardBits {
     buffer_[--at_] = std::byte{byte};
   }
   void grow() {
-    const std::size_t more = buffer_.size();
+    const std::size_t more = std::max(buffer_.size(), std::size_t{4096});
     buffer_.insert(buffer_.begin(), more, std::byte{0});
     at_ += more;
   }
 
-  std::vector<std::byte> buffer_;
+  std::vector<std::byte>& buffer_;
   std::size_t at_;
   std::uint64_t held_ = 0;
   int count_ = 0;
@@ -277,7 +277,7 @@ double NumberWriter::bits(int first, int end) const {
 
 void NumberWriter::finish(std::vector<std::byte>& out) {
   const Choice choice = choose(numbers_, contexts_);
-  BackwardBits bits(numbers_.size() + 64);
+  BackwardBits bits(backward_);
   std::array<std::uint32_t, 4> state{};
   for (std::size_t i = numbers_.size(); i-- > 0;) {
     const auto& w = tables().writing[choice[contexts_[i]]];

@@ -38,6 +38,7 @@ class NumberWriter {
  private:
   std::vector<std::uint64_t> numbers_;
   std::vector<std::uint8_t> contexts_;
+  std::vector<std::byte> backward_;  ///< memory of finish
 };
 
 /// Gives them back one by one, or many at once. Whatever the bytes are, every call returns some number and reads

@@ -322,12 +322,12 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   if (is_narrow) {
     s.narrow_square.assign(kSquare, 0);
     place.into_square(s.numbers, s.narrow_square);
-    s.narrow_levels.put(s.narrow_square, coded, s.out);
+    s.narrow_levels.put(s.narrow_square, coded, place.present(), s.out);
   } else {
     s.wide_square.assign(kSquare, 0);
     place.into_square(s.numbers, s.wide_square);
     if (!s.wide_levels) s.wide_levels.emplace();
-    s.wide_levels->put(s.wide_square, coded, s.out);
+    s.wide_levels->put(s.wide_square, coded, place.present(), s.out);
   }
   if (!page.children.empty()) put_children(page.children, s.out);
 
@@ -467,12 +467,12 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
   }
   if ((flags & kIsNarrow) != 0) {
     s.narrow_square.resize(kSquare);
-    s.narrow_levels.get(s.narrow_square, coded, s.in);
+    s.narrow_levels.get(s.narrow_square, coded, place.present(), s.in);
     s.heights_of(s.narrow_square, static_cast<std::int64_t>(base), coding);
   } else {
     s.wide_square.resize(kSquare);
     if (!s.wide_levels) s.wide_levels.emplace();
-    s.wide_levels->get(s.wide_square, coded, s.in);
+    s.wide_levels->get(s.wide_square, coded, place.present(), s.in);
     s.heights_of(s.wide_square, static_cast<std::int64_t>(base), coding);
   }
   if ((flags & kHasChildren) != 0 && !get_children(page.children, s.in)) s.corrupt("impossible table of pages below");

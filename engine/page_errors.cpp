@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -200,10 +201,12 @@ struct Sorted {
                larger(load(errors, col, row - s), load(errors, col, row + s)));
     store(col, row, e);
   }
-  /// A level; rows whose neighbours would be outside the square have no implied vertices, and are left out.
+  /// A level, of the rows that are there; those whose neighbours would be outside the square have no implied vertices,
+  /// and are left out.
   template <int s>
-  [[gnu::always_inline]] void level() {
-    for (int row = 0; row < kPageSide; row += s) {
+  [[gnu::always_inline]] void level(const PresentRect& present) {
+    const int first = (present.first_row + s - 1) & -s;
+    for (int row = first; row < present.end_row; row += s) {
       const bool row_odd = (row & s) != 0;
       const bool inside = row >= s && row + s < kPageSide;
       for (int col = row_odd ? 0 : s; col < kBlock; col += 2 * s) {
@@ -211,15 +214,19 @@ struct Sorted {
         for (part = 0; part < kLanes; part += kWidth) settle_side<s>(col, row, !row_odd);
       }
     }
-    for (int row = s; row + s < kPageSide; row += 2 * s) {
+    for (int row = first | s; row < present.end_row && row + s < kPageSide; row += 2 * s) {
       for (int col = s; col < kBlock; col += 2 * s) {
         for (part = 0; part < kLanes; part += kWidth) settle_centre<s>(col, row);
       }
     }
   }
 
-  [[gnu::always_inline]] void take_in(const Distance* square) {
-    for (int row = 0; row < kPageSide; ++row) {
+  /// With the rows around, as far as those that are there reach: what stands there meets nothing that is implied.
+  [[gnu::always_inline]] void take_in(const Distance* square, const PresentRect& present) {
+    constexpr int kReach = 10;
+    static_assert(kReach == reach_of(kBlock / 2, true));
+    const int end_row = std::min(present.end_row + kReach, int{kPageSide});
+    for (int row = std::max(present.first_row - kReach, 0); row < end_row; ++row) {
       const Distance* from = square + row * kPageSide;
       Unsigned *to = numbers + kRim + row * kPageSide, halves[kPageSide], quarters[kPageSide];
       // Three times even places first, then odd ones.
@@ -240,8 +247,10 @@ struct Sorted {
       }
     }
   }
-  [[gnu::always_inline]] void hand_out(const Distance* implied, Distance* distances) const {
-    for (int row = 0; row < kPageSide; ++row) {
+  [[gnu::always_inline]] void hand_out(const Distance* implied, const PresentRect& present, Distance* distances) const {
+    std::fill_n(distances, present.first_row * kPageSide, Distance{-1});
+    std::fill(distances + present.end_row * kPageSide, distances + kSquare, Distance{-1});
+    for (int row = present.first_row; row < present.end_row; ++row) {
       Distance *to = distances + row * kPageSide, halves[kPageSide], quarters[kPageSide];
       const Unsigned* from = errors + kRim + row * kPageSide;
       const Distance* mask = implied + row * kPageSide;
@@ -261,20 +270,21 @@ struct Sorted {
   }
 };
 
-TALUS_CLONES void compute_lanes(Sorted<std::int32_t>& s, const std::int32_t* square, const std::int32_t* implied,
-                                std::int32_t* distances) {
-  s.take_in(square);
-  s.level<1>();
-  s.level<2>();
-  s.level<4>();
-  s.hand_out(implied, distances);
+TALUS_CLONES void compute_lanes(Sorted<std::int32_t>& s, const std::int32_t* square, const PresentRect& present,
+                                const std::int32_t* implied, std::int32_t* distances) {
+  s.take_in(square, present);
+  s.level<1>(present);
+  s.level<2>(present);
+  s.level<4>(present);
+  s.hand_out(implied, present, distances);
 }
-TALUS_CLONES void compute_lanes(Sorted<double>& s, const double* square, const double* implied, double* distances) {
-  s.take_in(square);
-  s.level<1>();
-  s.level<2>();
-  s.level<4>();
-  s.hand_out(implied, distances);
+TALUS_CLONES void compute_lanes(Sorted<double>& s, const double* square, const PresentRect& present,
+                                const double* implied, double* distances) {
+  s.take_in(square, present);
+  s.level<1>(present);
+  s.level<2>(present);
+  s.level<4>(present);
+  s.hand_out(implied, present, distances);
 }
 
 /// How many samples are not data in the rectangle from the north-west corner to each sample.
@@ -300,28 +310,38 @@ class VoidCount {
   std::vector<int> sums_;
 };
 
-/// visit(col, row) for every implied vertex.
-template <class Visit>
-void for_each_implied(const PresentRect& present, std::span<const std::uint8_t> valid, int coarsest, Visit&& visit) {
-  VoidCount voids(valid);
-  const auto is_data = [&](int col, int row) {
+/// Whether all that a finest side midpoint's error depends on is data: itself, its ends, and an apex; else no triangle with
+/// data misses it.
+struct FinestData {
+  const PresentRect& present;
+  std::span<const std::uint8_t> valid;
+
+  [[nodiscard]] bool at(int col, int row) const {
     return col >= present.first_col && col < present.end_col && row >= present.first_row && row < present.end_row &&
            valid[static_cast<std::size_t>(row * kPageSide + col)] != 0;
-  };
+  }
+  /// `across` 1 where the side runs along the row, else 0
+  [[nodiscard]] bool around_side(int col, int row, int across) const {
+    const int c = across, r = 1 - across;
+    return at(col, row) && at(col - c, row - r) && at(col + c, row + r) && (at(col - r, row - c) || at(col + r, row + c));
+  }
+};
+
+/// visit(col, row) for every implied vertex.
+template <class Visit>
+void for_each_implied(const PresentRect& present, std::span<const std::uint8_t> valid, Visit&& visit) {
+  VoidCount voids(valid);
+  const FinestData data{present, valid};
   const auto all_data = [&](int col, int row, int s) {
     const bool col_odd = (col & s) != 0, row_odd = (row & s) != 0, side = col_odd != row_odd;
-    if (s == 1 && side) {  // itself, its ends, and an apex: else no triangle with data misses it
-      const int c = col_odd ? 1 : 0, r = 1 - c;
-      return is_data(col, row) && is_data(col - c, row - r) && is_data(col + c, row + r) &&
-             (is_data(col - r, row - c) || is_data(col + r, row + c));
-    }
+    if (s == 1 && side) return data.around_side(col, row, col_odd ? 1 : 0);
     const int reach = reach_of(s, !side);
     return voids.none(col - reach, row - reach, col + reach, row + reach);
   };
   for (int row = present.first_row; row < present.end_row; ++row) {
     for (int col = present.first_col; col < present.end_col; ++col) {
       const int s = spacing_in_block(col, row);
-      if (s <= coarsest && is_implied_by_place(col, row, present) && (valid.empty() || all_data(col, row, s)))
+      if (s < kBlock && is_implied_by_place(col, row, present) && (valid.empty() || all_data(col, row, s)))
         visit(col, row);
     }
   }
@@ -341,7 +361,7 @@ void ImpliedErrors<Distance>::compute(std::span<const Distance> square, const Pr
   Lanes& lanes = *lanes_;
   const auto mark = [&](Distance* marks) {
     std::fill_n(marks, kSquare, Distance{0});
-    for_each_implied(present, valid, kBlock / 2, [&](int col, int row) {
+    for_each_implied(present, valid, [&](int col, int row) {
       marks[Lanes::place(col, row) - static_cast<std::ptrdiff_t>(Lanes::kRim)] = 1;
     });
   };
@@ -357,44 +377,74 @@ void ImpliedErrors<Distance>::compute(std::span<const Distance> square, const Pr
     mark(lanes.in_whole_page);
     lanes.has_whole_page = true;
   }
-  compute_lanes(lanes, square.data(), implied, distances.data());
+  compute_lanes(lanes, square.data(), present, implied, distances.data());
 }
 
 template class ImpliedErrors<std::int32_t>;
 template class ImpliedErrors<double>;
 
+namespace {
+
+/// Distance of a height from the middle of two others, not too small: 0 and what is exact stay.
+double distance_rounded_up(double a, double b, double h) {
+  const auto lost = [](double one, double other, double sum) {  // of one + other, exactly [Knuth's two-sum]
+    const double back = sum - one;
+    return (one - (sum - back)) + (other - back);
+  };
+  const double sum = a + b, middle = sum / 2, d = h - middle;
+  const double lost_in_sum = lost(a, b, sum);
+  if (sum == 2 * h && lost_in_sum == 0) return 0;
+  const bool exact = lost_in_sum == 0 && middle * 2 == sum && lost(h, -middle, d) == 0;
+  // Of numbers that are not negative the next one has the next bits.
+  constexpr auto kInfinite = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
+  const auto bits = std::bit_cast<std::uint64_t>(std::abs(d));
+  return std::bit_cast<double>(exact || bits >= kInfinite ? bits : std::min(bits + 2, kInfinite));
+}
+
+}  // namespace
+
 void implied_errors_rounded_up(std::span<const double> square, const PresentRect& present,
                                std::span<const std::uint8_t> valid, std::span<double> distances) {
   std::fill(distances.begin(), distances.end(), -1.0);
-  const auto lost = [](double a, double b, double sum) {  // of a + b, exactly [Knuth's two-sum]
-    const double back = sum - a;
-    return (a - (sum - back)) + (b - back);
-  };
-  const auto residual = [&](std::size_t here, std::ptrdiff_t step) {
-    const auto i = static_cast<std::ptrdiff_t>(here);
-    const double h = square[here], a = square[static_cast<std::size_t>(i - step)],
-                 b = square[static_cast<std::size_t>(i + step)];
-    if (halves_exactly(a, b, h)) return 0.0;
-    const double sum = a + b, middle = sum / 2, d = h - middle;
-    const bool exact = lost(a, b, sum) == 0 && middle * 2 == sum && lost(h, -middle, d) == 0;
-    const double up = std::nextafter(std::abs(d), std::numeric_limits<double>::infinity());
-    return exact ? std::abs(d) : std::nextafter(up, std::numeric_limits<double>::infinity());
-  };
+  const FinestData data{present, valid};
   const auto index = [](int col, int row) { return static_cast<std::size_t>(row * kPageSide + col); };
-  for (const bool centres : {false, true}) {
-    for_each_implied(present, valid, 1, [&](int col, int row) {
-      const bool col_odd = (col & 1) != 0, row_odd = (row & 1) != 0;
-      if (centres != (col_odd && row_odd)) return;
-      const std::size_t i = index(col, row);
-      if (!centres) {
-        distances[i] = residual(i, col_odd ? 1 : kPageSide);
-      } else {
-        const bool falling = ((col ^ row) & 2) == 0;
-        distances[i] =
-            std::max({residual(i, falling ? kPageSide + 1 : kPageSide - 1), distances[index(col - 1, row)],
-                      distances[index(col + 1, row)], distances[index(col, row - 1)], distances[index(col, row + 1)]});
+  const auto residual = [&](std::size_t i, std::size_t step) {
+    return distance_rounded_up(square[i - step], square[i + step], square[i]);
+  };
+  // Columns and rows that have a neighbour on either side; a side needs an apex on one.
+  const int first_col = present.first_col + 1, end_col = present.end_col - 1;
+  const int first_row = present.first_row + 1, end_row = present.end_row - 1;
+  if (present.end_row - present.first_row > 1) {
+    for (int row = present.first_row + (present.first_row & 1); row < present.end_row; row += 2) {
+      for (int col = first_col | 1; col < end_col; col += 2) {
+        if (valid.empty() || data.around_side(col, row, 1)) distances[index(col, row)] = residual(index(col, row), 1);
       }
-    });
+    }
+  }
+  if (present.end_col - present.first_col > 1) {
+    for (int row = first_row | 1; row < end_row; row += 2) {
+      for (int col = present.first_col + (present.first_col & 1); col < present.end_col; col += 2) {
+        if (valid.empty() || data.around_side(col, row, 0))
+          distances[index(col, row)] = residual(index(col, row), kPageSide);
+      }
+    }
+  }
+  const auto all_data = [&](int col, int row) {
+    for (const int r : {row - 1, row, row + 1}) {
+      const std::uint8_t* three = &valid[index(col - 1, r)];
+      if (three[0] == 0 || three[1] == 0 || three[2] == 0) return false;
+    }
+    return true;
+  };
+  for (int row = first_row | 1; row < end_row; row += 2) {
+    for (int col = first_col | 1; col < end_col; col += 2) {
+      if (!valid.empty() && !all_data(col, row)) continue;
+      const std::size_t i = index(col, row);
+      const bool falling = ((col ^ row) & 2) == 0;
+      const double around = std::max(std::max(distances[i - 1], distances[i + 1]),
+                                     std::max(distances[i - kPageSide], distances[i + kPageSide]));
+      distances[i] = std::max(residual(i, falling ? kPageSide + 1 : kPageSide - 1), around);
+    }
   }
 }
 

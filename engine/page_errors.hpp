@@ -22,12 +22,6 @@ namespace talus {
 
 inline constexpr int kImpliedLevels = kBandLevels;
 
-/// Samples of a page's square that are there: columns first_col to end_col - 1, rows alike.
-struct PresentRect {
-  std::int32_t first_col = 0, end_col = kPageSide, first_row = 0, end_row = kPageSide;
-  friend bool operator==(const PresentRect&, const PresentRect&) = default;
-};
-
 /// Implied errors over a page's square. Distance is int32_t, in eighths of a height code, for whole numbers that differ
 /// by less than 2^25; or double, in height codes, where the heights' bits are such that interpolation is exact.
 template <class Distance>

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "engine/grid.hpp"
@@ -16,32 +18,46 @@ namespace talus {
 class ScatteredVertices {
  public:
   /// The same vertex may come many times.
-  void insert(GridPoint p) { list(height_in_tree(p), is_centre(p)).push_back(p); }
+  void insert(GridPoint p) {
+    std::vector<Key>& keys = list(height_in_tree(p), is_centre(p));
+    const Key key = key_of(p);
+    if (keys.empty() || keys.back() != key) keys.push_back(key);  // neighbours share their parents
+  }
 
-  /// Row by row, none twice. Valid until one of them is inserted again.
-  [[nodiscard]] const std::vector<GridPoint>& of_level(int shift, bool centres) {
-    std::vector<GridPoint>& found = list(shift, centres);
-    std::sort(found.begin(), found.end(),
-              [](GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row : a.col < b.col; });
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    return found;
+  /// visit(vertex) row by row, none twice. It may insert vertices of other kinds and levels.
+  template <class Visit>
+  void for_each_of_level(int shift, bool centres, Visit&& visit) {
+    std::vector<Key>& keys = list(shift, centres);
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    for (const Key key : keys) visit(point_of(key));
   }
 
   template <class Visit>
   void for_each(Visit&& visit) {
     for (int shift = 0; shift < kLevels; ++shift) {
-      for (const bool centres : {false, true}) {
-        for (const GridPoint p : of_level(shift, centres)) visit(p);
-      }
+      for (const bool centres : {false, true}) for_each_of_level(shift, centres, visit);
     }
   }
 
  private:
   static constexpr int kLevels = std::countr_zero(static_cast<std::uint32_t>(kRootSpacing)) + 1;
-  [[nodiscard]] std::vector<GridPoint>& list(int shift, bool centres) {
+
+  /// Row, then column, in an order of whole numbers: one comparison each.
+  using Key = std::uint64_t;
+  static constexpr std::uint32_t kSign = std::uint32_t{1} << 31;
+  static Key key_of(GridPoint p) {
+    return Key{static_cast<std::uint32_t>(p.row) ^ kSign} << 32 | (static_cast<std::uint32_t>(p.col) ^ kSign);
+  }
+  static GridPoint point_of(Key key) {
+    return {static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ kSign),
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ kSign)};
+  }
+
+  [[nodiscard]] std::vector<Key>& list(int shift, bool centres) {
     return lists_[2 * static_cast<std::size_t>(shift) + (centres ? 1 : 0)];
   }
-  std::array<std::vector<GridPoint>, 2 * kLevels> lists_;
+  std::array<std::vector<Key>, 2 * kLevels> lists_;
 };
 
 }  // namespace talus

@@ -45,37 +45,62 @@ void StoredErrors::list(const Page& page) {
   }
 }
 
-ErrorCode StoredErrors::at_least(const Page& page, const Vertex& v, const CodeDistance& distance) const {
-  if (v.spacing == 0) return 0;
+StoredErrors::Around StoredErrors::around(const Page& page, const Vertex& v) {
   const PageGrid& g = page.grid;
-  const auto has = [&](GridPoint p) { return p.col >= 0 && p.row >= 0 && p.col < g.cols && p.row < g.rows; };
-  const auto is_data = [&](std::size_t i) { return page.valid.empty() || page.valid[i] != 0; };
+  const std::int32_t s = v.spacing, h = s / 2;
   const GridPoint unit{g.first.col + v.col, g.first.row + v.row};
+  Around near;
+  const auto below = [&](std::size_t i) { near.below[near.count++] = i; };
+  if (v.col >= s && v.row >= s && v.col + s < g.cols && v.row + s < g.rows) {  // all there: by their distance
+    const auto row = static_cast<std::size_t>(g.cols), side = static_cast<std::size_t>(s), half = static_cast<std::size_t>(h);
+    const bool col_odd = (unit.col & s) != 0, row_odd = (unit.row & s) != 0;
+    std::size_t to_end = side * (col_odd ? 1 : row);
+    if (col_odd && row_odd) {
+      to_end = side * ((((unit.col - s) ^ (unit.row - s)) & (2 * s)) == 0 ? row + 1 : row - 1);
+      for (const std::size_t by : {side, side * row}) below(v.index - by), below(v.index + by);
+    } else if (h > 0) {
+      for (const std::size_t by : {half * (row - 1), half * (row + 1)}) below(v.index - by), below(v.index + by);
+    }
+    near.has_ends = true;
+    near.ends = {v.index - to_end, v.index + to_end};
+    return near;
+  }
   const auto local = [&](GridPoint p) { return GridPoint{p.col - g.first.col, p.row - g.first.row}; };
-
-  double metres = 0;
+  const auto has = [&](GridPoint p) { return p.col >= 0 && p.row >= 0 && p.col < g.cols && p.row < g.rows; };
   const Diamond d = diamond(unit);
   const GridPoint a = local(d.ends[0]), b = local(d.ends[1]);
-  if (!page.heights.empty() && has(a) && has(b)) {
-    const std::size_t one = page.index(a.col, a.row), other = page.index(b.col, b.row);
+  near.has_ends = has(a) && has(b);
+  if (near.has_ends) near.ends = {page.index(a.col, a.row), page.index(b.col, b.row)};
+  const Children all = children(unit);
+  for (int k = 0; k < all.count; ++k) {
+    const GridPoint p = local(all.at[static_cast<std::size_t>(k)]);
+    if (has(p)) below(page.index(p.col, p.row));
+  }
+  return near;
+}
+
+ErrorCode StoredErrors::at_least(const Page& page, const Vertex& v, const CodeDistance& distance) const {
+  if (v.spacing == 0) return 0;
+  const Around near = around(page, v);
+  const auto is_data = [&](std::size_t i) { return page.valid.empty() || page.valid[i] != 0; };
+  double codes = 0;
+  if (!page.heights.empty() && near.has_ends) {
+    const auto [one, other] = near.ends;
     if (is_data(v.index) && is_data(one) && is_data(other)) {
       const double middle = page.heights[one] / 2 + page.heights[other] / 2;
-      metres = distance.metres(std::abs(page.heights[v.index] - middle));
+      codes = std::abs(page.heights[v.index] - middle);
     }
   }
-  ErrorCode code = 0;
-  const Children below = children(unit);
-  for (int k = 0; k < below.count; ++k) {
-    const GridPoint p = local(below.at[static_cast<std::size_t>(k)]);
-    if (!has(p)) continue;
-    const std::size_t i = page.index(p.col, p.row);
+  ErrorCode error = 0;
+  for (std::size_t k = 0; k < near.count; ++k) {
+    const std::size_t i = near.below[k];
     if (page.is_implied(i)) {
-      metres = std::max(metres, distance.metres(page.implied_distance(i)));
+      codes = std::max(codes, page.implied_distance(i));
     } else {
-      code = std::max(code, page.errors[i]);
+      error = std::max(error, page.errors[i]);
     }
   }
-  return std::max(code, error_code(metres));
+  return std::max(error, error_code(distance.metres(codes)));
 }
 
 void StoredErrors::put(const std::vector<ErrorCode>& all, Page& page, const CodeDistance& distance, int context,

@@ -3,6 +3,7 @@
 // the page already says of it.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -30,6 +31,14 @@ class StoredErrors {
     std::int16_t spacing;   ///< in units; 0: a corner above all levels of the page
     std::uint8_t kind;      ///< context
   };
+  /// What of a vertex's diamond the page has, by index: both ends of its side or diagonal, and its children.
+  struct Around {
+    bool has_ends = false;
+    std::array<std::size_t, 2> ends{};
+    std::array<std::size_t, 4> below{};
+    std::size_t count = 0;
+  };
+  [[nodiscard]] static Around around(const Page& page, const Vertex& v);
   void list(const Page& page);
   [[nodiscard]] ErrorCode at_least(const Page& page, const Vertex& v, const CodeDistance& distance) const;
 
