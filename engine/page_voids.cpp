@@ -1,7 +1,10 @@
 #include "engine/page_voids.hpp"
 
 #include <algorithm>
+#include <array>
 #include <vector>
+
+#include "engine/apex_halves.hpp"
 
 namespace talus {
 namespace {
@@ -84,15 +87,17 @@ namespace {
 template <class Visit>
 void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
                  std::span<std::uint8_t> covers, Visit&& visit) {
-  std::vector<int> sums(static_cast<std::size_t>(grid.cols + 1) * static_cast<std::size_t>(grid.rows + 1));
-  const auto sum = [&](int col, int row) -> int& {
+  // Of the samples in the rectangle from the north-west corner to each. All of a page are 2^14.
+  std::vector<std::uint16_t> sums(static_cast<std::size_t>(grid.cols + 1) * static_cast<std::size_t>(grid.rows + 1));
+  const auto sum = [&](int col, int row) -> std::uint16_t& {
     return sums[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols + 1) +
                 static_cast<std::size_t>(col)];
   };
   for (int row = 0; row < grid.rows; ++row) {
+    std::uint16_t in_row = 0;
     for (int col = 0; col < grid.cols; ++col) {
-      sum(col + 1, row + 1) =
-          sum(col, row + 1) + sum(col + 1, row) - sum(col, row) + (valid.empty() ? 1 : valid[index_of(grid, col, row)]);
+      in_row = static_cast<std::uint16_t>(in_row + (valid.empty() ? 1 : valid[index_of(grid, col, row)]));
+      sum(col + 1, row + 1) = static_cast<std::uint16_t>(sum(col + 1, row) + in_row);
     }
   }
   const auto has = [&](GridPoint p) { return p.col >= 0 && p.row >= 0 && p.col < grid.cols && p.row < grid.rows; };
@@ -110,6 +115,21 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
     const int half = diamond(split).apexes[0] == vertex ? 0 : 2;
     return (covers[index_of(grid, here.col, here.row)] >> half & 3) != 0;
   };
+  // The same where all is in the page.
+  const auto guess_inside = [&](std::size_t i, GridPoint vertex, int s) -> unsigned {
+    const VertexKind kind = kind_of(vertex, s);
+    const bool centre = kind == VertexKind::falling_centre || kind == VertexKind::rising_centre;
+    if (s == 1 && !centre) return valid.empty() ? 15 : finest_apex_triangles(&valid[i], grid.cols, kind);
+    const std::uint8_t* at = &covers[i];
+    const std::ptrdiff_t step = centre ? s : s / 2;
+    const std::array<ApexHalf, 4> triangles = apex_halves(kind);
+    unsigned guess = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto [c, r, side] = triangles[k];
+      guess |= ((at[(r * std::ptrdiff_t{grid.cols} + c) * step] >> (2 * side) & 3) != 0 ? 1u : 0u) << k;
+    }
+    return guess;
+  };
   const int levels = id.band == bands - 1 ? kPageShift : kBandLevels;
   std::fill(covers.begin(), covers.end(), std::uint8_t{0});
   const auto settle = [&](int col, int row, int s) {
@@ -122,7 +142,9 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
                               : 1;
       if (data == 0) {
         guess = 0;
-      } else if (data < (2 * s + 1) * (2 * s + 1)) {
+      } else if (inside && data < (2 * s + 1) * (2 * s + 1)) {
+        guess = guess_inside(i, in_units(col, row), s);
+      } else if (!inside) {
         guess = 0;
         const GridPoint vertex = in_units(col, row);
         const auto triangles = apex_triangles(vertex);

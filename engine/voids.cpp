@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/apex_halves.hpp"
+
 namespace talus {
 namespace {
 
@@ -205,8 +207,26 @@ std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
     if (halves == (kData | kData << 2)) return 15;
     if (halves == (kVoid | kVoid << 2)) return 0;
   }
-  const auto triangles = apex_triangles(vertex);
+  const int shift = height_in_tree(vertex);
+  const std::int32_t s = std::int32_t{1} << shift;
   std::uint8_t bits = 0;
+  if (extent_.contains({vertex.col - s, vertex.row - s}) && extent_.contains({vertex.col + s, vertex.row + s})) {
+    const VertexKind kind = kind_of(vertex, s);
+    const bool centre = is_centre(vertex);
+    if (shift == 0 && !centre) {
+      return finest_apex_triangles(&valid_[index_in(extent_, vertex)], static_cast<std::ptrdiff_t>(extent_.cols()), kind);
+    }
+    const int finer = centre ? shift : shift - 1;  // the level of the vertices that split them
+    const auto level = halves_.units(finer);
+    const std::uint8_t* at = &level.at(vertex.col >> finer, vertex.row >> finer);
+    const std::array<ApexHalf, 4> triangles = apex_halves(kind);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto [col, row, side] = triangles[i];
+      bits = static_cast<std::uint8_t>(bits | (at[row * level.stride + col] >> (2 * side) & kData) << i);
+    }
+    return bits;
+  }
+  const auto triangles = apex_triangles(vertex);
   for (std::size_t i = 0; i < 4; ++i) {
     if ((triangle(triangles[i]) & kData) != 0) bits = static_cast<std::uint8_t>(bits | 1u << i);
   }

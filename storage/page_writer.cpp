@@ -1,8 +1,9 @@
 // Writing: pages gather until a transaction's worth is there.
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <lmdb.h>
@@ -18,7 +19,19 @@ struct PageWriter::Impl {
   struct Value {
     int table;
     std::uint64_t position;
-    std::vector<std::byte> bytes;
+    std::variant<std::vector<std::byte>, ShelfPages> content;  ///< a page, or those of a shelf
+
+    [[nodiscard]] std::size_t size() const {
+      const auto* shelf = std::get_if<ShelfPages>(&content);
+      return shelf != nullptr ? shelf_size(*shelf) : std::get<0>(content).size();
+    }
+    void lay(std::byte* to) const {
+      if (const auto* shelf = std::get_if<ShelfPages>(&content)) {
+        lay_shelf(table, position, *shelf, to);
+      } else {
+        std::copy(std::get<0>(content).begin(), std::get<0>(content).end(), to);
+      }
+    }
   };
   static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
 
@@ -26,21 +39,20 @@ struct PageWriter::Impl {
   std::size_t map_bytes = std::size_t{64} << 20;
   std::vector<Value> batch;  // kept until committed: a full map replays it
   std::size_t batch_bytes = 0;
-  std::array<std::vector<std::byte>, kShelfPages> shelf;  // the one pages are being put on
+  ShelfPages shelf;  // the one pages are being put on
   std::optional<std::pair<int, std::uint64_t>> shelf_at;
 
   [[nodiscard]] MDB_env* env() const { return environment->env.get(); }
   [[nodiscard]] const std::filesystem::path& file() const { return environment->file; }
 
-  void add(int table, std::uint64_t position, std::vector<std::byte> bytes) {
-    batch_bytes += bytes.size();
-    batch.push_back({table, position, std::move(bytes)});
+  void add(Value value) {
+    batch_bytes += value.size();
+    batch.push_back(std::move(value));
   }
 
   void close_shelf() {
     if (!shelf_at) return;
-    add(shelf_at->first, shelf_at->second, shelf_value(shelf_at->first, shelf_at->second, shelf));
-    for (auto& page : shelf) page.clear();
+    add({shelf_at->first, shelf_at->second, std::exchange(shelf, {})});
     shelf_at.reset();
   }
 
@@ -60,18 +72,19 @@ struct PageWriter::Impl {
     MDB_txn* raw = nullptr;
     check(mdb_txn_begin(env(), nullptr, 0, &raw), "begin", file());
     TxnPtr txn(raw);
-    for (const auto& [table, position, bytes] : batch) {
+    for (const Value& value : batch) {
       MDB_dbi dbi = 0;
-      int code = mdb_dbi_open(raw, table_name(table).c_str(), MDB_CREATE, &dbi);
+      int code = mdb_dbi_open(raw, table_name(value.table).c_str(), MDB_CREATE, &dbi);
+      MDB_val room{value.size(), nullptr};  // where LMDB wants it: pages are copied once
       if (code == MDB_SUCCESS) {
-        KeyBytes key = key_bytes(position);
+        KeyBytes key = key_bytes(value.position);
         MDB_val at{key.size(), key.data()};
-        MDB_val content{bytes.size(), const_cast<std::byte*>(bytes.data())};
-        code = mdb_put(raw, dbi, &at, &content, MDB_APPEND);
-        if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &content, 0);  // out of order: found its place
+        code = mdb_put(raw, dbi, &at, &room, MDB_APPEND | MDB_RESERVE);
+        if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &room, MDB_RESERVE);  // out of order: found its place
       }
       if (code == MDB_MAP_FULL) return false;
       check(code, "write", file());
+      value.lay(static_cast<std::byte*>(room.mv_data));
     }
     int code = mdb_txn_commit(txn.release());
     if (code == MDB_MAP_FULL) return false;
@@ -104,7 +117,7 @@ PageWriter::~PageWriter() = default;
 void PageWriter::put(PageKey key, std::span<const std::byte> page, std::uint32_t generation) {
   const std::pair at{key.table, value_position(key)};
   if (impl_->shelf_at != at) impl_->close_shelf();
-  if (!is_shelved(key.table)) return impl_->add(at.first, at.second, wrapped(key, generation, page));
+  if (!is_shelved(key.table)) return impl_->add({at.first, at.second, wrapped(key, generation, page)});
   impl_->shelf_at = at;
   impl_->shelf[key.position % kShelfPages] = wrapped(key, generation, page);
 }

@@ -62,19 +62,19 @@ StoredPage unwrapped(PageKey key, std::span<const std::byte> stored) {
   return page;
 }
 
-std::vector<std::byte> shelf_value(int table, std::uint64_t shelf,
-                                   const std::array<std::vector<std::byte>, kShelfPages>& pages) {
+std::size_t shelf_size(const ShelfPages& pages) {
   std::size_t bytes = kChecksumBytes + kDirectoryBytes;
   for (const auto& page : pages) bytes += page.size();
-  std::vector<std::byte> value(kChecksumBytes + kDirectoryBytes);
-  value.reserve(bytes);
+  return bytes;
+}
+
+void lay_shelf(int table, std::uint64_t shelf, const ShelfPages& pages, std::byte* to) {
+  std::byte *const directory = to + kChecksumBytes, *at = directory + kDirectoryBytes;
   for (std::size_t i = 0; i < kShelfPages; ++i) {
-    put_little_endian(static_cast<std::uint32_t>(pages[i].size()), &value[kChecksumBytes + 4 * i]);
-    value.insert(value.end(), pages[i].begin(), pages[i].end());
+    put_little_endian(static_cast<std::uint32_t>(pages[i].size()), directory + 4 * i);
+    at = std::copy(pages[i].begin(), pages[i].end(), at);
   }
-  const auto directory = std::span<const std::byte>(value).subspan(kChecksumBytes, kDirectoryBytes);
-  put_big_endian(page_checksum(directory_key(table, shelf), 0, directory), value.data());
-  return value;
+  put_big_endian(page_checksum(directory_key(table, shelf), 0, {directory, kDirectoryBytes}), to);
 }
 
 std::array<std::span<const std::byte>, kShelfPages> pages_of_shelf(int table, std::uint64_t shelf,

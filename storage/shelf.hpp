@@ -27,9 +27,11 @@ using KeyBytes = std::array<std::uint8_t, 8>;
 /// fails  corrupt: too short, or the checksum is another
 [[nodiscard]] StoredPage unwrapped(PageKey key, std::span<const std::byte> stored);
 
-/// The value of a shelf; empty pages are absent.
-[[nodiscard]] std::vector<std::byte> shelf_value(int table, std::uint64_t shelf,
-                                                 const std::array<std::vector<std::byte>, kShelfPages>& pages);
+using ShelfPages = std::array<std::vector<std::byte>, kShelfPages>;  ///< wrapped; empty where there is none
+/// Bytes of a shelf's value.
+[[nodiscard]] std::size_t shelf_size(const ShelfPages& pages);
+/// Lays a shelf's value down in that many bytes.
+void lay_shelf(int table, std::uint64_t shelf, const ShelfPages& pages, std::byte* to);
 /// The stored bytes of each page of a shelf; empty where there is none.
 /// fails  corrupt
 [[nodiscard]] std::array<std::span<const std::byte>, kShelfPages> pages_of_shelf(int table, std::uint64_t shelf,

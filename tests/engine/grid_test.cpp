@@ -1,5 +1,6 @@
 // What a grid point's coordinates say: its diamond, its parents, its children.
 
+#include "engine/apex_halves.hpp"
 #include "engine/grid.hpp"
 
 #include <algorithm>
@@ -148,6 +149,39 @@ TEST(Grid, AnApexTriangleIsOneHalfOfTheDiamondThatSplitsIt) {
                 (std::set{std::pair{t.left.col, t.left.row}, std::pair{t.right.col, t.right.row}}));
     }
   });
+}
+
+TEST(Grid, ApexHalvesAreTheHalvesThatApexTrianglesAre) {
+  for_each_point(kAround, [](GridPoint p) {
+    if (p == GridPoint{0, 0} || (spacing(p) == 1 && !is_centre(p))) return;
+    const std::int32_t s = spacing(p), step = is_centre(p) ? s : s / 2;
+    const auto triangles = apex_triangles(p);
+    const auto halves = apex_halves(kind_of(p, s));
+    for (std::size_t i = 0; i < 4; ++i) {
+      const GridPoint split = midpoint(triangles[i].left, triangles[i].right);
+      EXPECT_EQ(split, (GridPoint{p.col + halves[i].col * step, p.row + halves[i].row * step})) << name_of(p);
+      EXPECT_EQ(p, diamond(split).apexes[halves[i].side]) << name_of(p);
+    }
+  });
+}
+
+TEST(Grid, FinestApexTrianglesHaveDataWhereTheirCornersHave) {
+  const std::int32_t origin = -4, side = 9;
+  const auto index = [&](GridPoint p) { return static_cast<std::size_t>((p.row - origin) * side + p.col - origin); };
+  for (unsigned pattern = 0; pattern < 512; ++pattern) {
+    for_each_point({{origin + 1, origin + 1}, {origin + side - 2, origin + side - 2}}, [&](GridPoint p) {
+      if (spacing(p) != 1 || is_centre(p)) return;
+      std::vector<std::uint8_t> valid(static_cast<std::size_t>(side * side), 1);
+      for (int i = 0; i < 9; ++i) valid[index({p.col + i % 3 - 1, p.row + i / 3 - 1})] = pattern >> i & 1;
+      unsigned expected = 0;
+      const auto triangles = apex_triangles(p);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const bool data = valid[index(p)] && valid[index(triangles[i].left)] && valid[index(triangles[i].right)];
+        expected |= (data ? 1u : 0u) << i;
+      }
+      EXPECT_EQ(finest_apex_triangles(&valid[index(p)], side, kind_of(p, 1)), expected) << name_of(p) << " " << pattern;
+    });
+  }
 }
 
 TEST(Grid, TheRootIsTheSmallestSquareLargerThanTheExtent) {
