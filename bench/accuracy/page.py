@@ -4,7 +4,7 @@
     page.py BUILD [PART...]     BUILD: build/release; parts: ingest windows kinds paper bytes; without any: all
 
 Between `<!-- measured: PART -->` and `<!-- end -->` everything is replaced; all other words are the author's. Real models are
-found through TALUS_DEM_DIR; those that are not there are left out. martini is asked where `./dev bench peers` has brought it.
+found through TALUS_DEM_DIR; those that are not there are left out, and so is martini where there is no Node or npm to bring it.
 """
 import json
 import os
@@ -19,6 +19,9 @@ import numpy
 from osgeo import gdal
 
 from pictures import picture
+
+sys.path.append(str(Path(__file__).parent.parent / "peers"))
+from peers import bring_martini  # noqa: E402  it stands there
 
 gdal.UseExceptions()
 SIDE = 512
@@ -73,8 +76,9 @@ class Bench:
         self.talus, self.error_kinds = build / "app/talus", build / "bench/accuracy/error_kinds"
         self.scratch = build / "kept/accuracy"
         self.scratch.mkdir(parents=True, exist_ok=True)
-        module = build / "kept/peers/node_modules/@mapbox/martini/martini.js"
-        self.martini = module if module.exists() else None
+        peers = build / "kept/peers"
+        peers.mkdir(parents=True, exist_ok=True)
+        self.martini = bring_martini(peers.resolve())
         self.windows = []
         for name, file, col, row in WINDOWS:
             if not (models() / file).exists():
@@ -124,14 +128,17 @@ class Martini:
         print(question, file=self.node.stdin, flush=True)
         return [float(word) for word in self.node.stdout.readline().split()]
 
-    def row(self, tolerance):
-        answers = [self.ask(f"mesh {tolerance}") for _ in range(9)]
-        mesh = self.bench.scratch / "martini.mesh"
-        self.ask(f"write {tolerance} {mesh}")
-        error = json.loads(run(self.bench.error_kinds, self.cut, 0, 0, SIDE, "--judge", mesh))["true_error"]
-        # By the clock: errors and mesh.
-        return {"tolerance": tolerance, "vertices": answers[0][4], "largest_error": error,
-                "warm_seconds": statistics.median(a[1] + a[3] for a in answers) / 1000}
+    def measured(self, tolerances):
+        """By the clock: errors and mesh. In rounds over all tolerances: a burst of another program spoils none of them."""
+        rounds = [[self.ask(f"mesh {t}") for t in tolerances] for _ in range(15)]
+        rows = []
+        for answers, tolerance in zip(zip(*rounds), tolerances):
+            mesh = self.bench.scratch / "martini.mesh"
+            self.ask(f"write {tolerance} {mesh}")
+            error = json.loads(run(self.bench.error_kinds, self.cut, 0, 0, SIDE, "--judge", mesh))["true_error"]
+            rows.append({"tolerance": tolerance, "vertices": answers[0][4], "largest_error": error,
+                         "warm_seconds": statistics.median(a[1] + a[3] for a in answers) / 1000})
+        return rows
 
     def end(self):
         self.node.stdin.close()
@@ -178,7 +185,7 @@ def windows(bench, folder):
         found = {kind: bench.measured(cut, kind) for kind in KINDS}
         if bench.martini:
             martini = Martini(bench, cut)
-            found["martini"] = [martini.row(t) for t in sorted(TOLERANCES, reverse=True)]
+            found["martini"] = martini.measured(sorted(TOLERANCES, reverse=True))
             martini.end()
         curve = lambda kind, cost: [(r[cost], r["largest_error"]) for r in found[kind] if r["largest_error"] > 0]
         over_vertices.append((name, "vertices", "largest true error, m", {kind: curve(kind, "vertices") for kind in found}))
