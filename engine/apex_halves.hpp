@@ -40,7 +40,8 @@ struct ApexHalf {
 
 /// Which of the four have data, of a finest side midpoint among samples that are all there: 1 where one is data.
 /// `valid` stands at the vertex, `stride` is the next row's.
-[[nodiscard]] inline std::uint8_t finest_apex_triangles(const std::uint8_t* valid, std::ptrdiff_t stride, VertexKind kind) {
+[[nodiscard]] inline std::uint8_t finest_apex_triangles(const std::uint8_t* valid, std::ptrdiff_t stride,
+                                                        VertexKind kind) {
   const unsigned v = valid[0], n = v & valid[-stride], s = v & valid[stride], w = valid[-1], e = valid[1];
   const unsigned nw = n & w, ne = n & e, sw = s & w, se = s & e;
   return static_cast<std::uint8_t>(kind == VertexKind::level_side ? nw | ne << 1 | sw << 2 | se << 3

@@ -263,9 +263,7 @@ class BlockErrors {
     for (int level = 0; level < kBlockLevels; ++level) {
       const std::size_t start = kLevelStart[static_cast<std::size_t>(level)];
       // A vertex beyond the field is the midpoint of no hypotenuse within it.
-      for_each_vertex(part, level, [&](GridPoint p) {
-        block.holds[start + index_of(p, corner, level)] = held_by(p);
-      });
+      for_each_vertex(part, level, [&](GridPoint p) { block.holds[start + index_of(p, corner, level)] = held_by(p); });
       lane.errors[level] = block.errors.data() + start;
       lane.holds[level] = block.holds.data() + start;
       lane.level_stride[level] = level_side(level);
@@ -295,7 +293,8 @@ class BlockErrors {
     }
   }
   [[nodiscard]] static std::size_t index_of(GridPoint p, GridPoint corner, int level) {
-    return static_cast<std::size_t>(((p.row - corner.row) >> level) * level_side(level) + ((p.col - corner.col) >> level));
+    return static_cast<std::size_t>(((p.row - corner.row) >> level) * level_side(level) +
+                                    ((p.col - corner.col) >> level));
   }
 
   /// The errors of a block that was cut out.
@@ -304,7 +303,8 @@ class BlockErrors {
       const auto units = errors_.units(level);
       for_each_vertex(part_of_field(corner), level, [&](GridPoint p) {
         ErrorCode& error = units.at(p.col >> level, p.row >> level);
-        error = std::max(error, block.errors[kLevelStart[static_cast<std::size_t>(level)] + index_of(p, corner, level)]);
+        error =
+            std::max(error, block.errors[kLevelStart[static_cast<std::size_t>(level)] + index_of(p, corner, level)]);
       });
     }
   }

@@ -310,8 +310,8 @@ class VoidCount {
   std::vector<int> sums_;
 };
 
-/// Whether all that a finest side midpoint's error depends on is data: itself, its ends, and an apex; else no triangle with
-/// data misses it.
+/// Whether all that a finest side midpoint's error depends on is data: itself, its ends, and an apex; else no triangle
+/// with data misses it.
 struct FinestData {
   const PresentRect& present;
   std::span<const std::uint8_t> valid;
@@ -323,7 +323,8 @@ struct FinestData {
   /// `across` 1 where the side runs along the row, else 0
   [[nodiscard]] bool around_side(int col, int row, int across) const {
     const int c = across, r = 1 - across;
-    return at(col, row) && at(col - c, row - r) && at(col + c, row + r) && (at(col - r, row - c) || at(col + r, row + c));
+    return at(col, row) && at(col - c, row - r) && at(col + c, row + r) &&
+           (at(col - r, row - c) || at(col + r, row + c));
   }
 };
 

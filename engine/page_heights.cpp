@@ -205,7 +205,8 @@ void HeightLevels<Number>::run(std::span<Number> square, const PresentRect& pres
     const Parts parts(wanted[level + 1], side);
     const std::size_t s = kRow / static_cast<std::size_t>(2 * side), twice = 2 * s;
     const Kind centres[] = {{s * kRow + s, twice, twice * kRow, side, parts.centres}};
-    const Kind sides[] = {{s, twice, twice * kRow, side, parts.sides}, {s * kRow, twice, twice * kRow, side, parts.sides}};
+    const Kind sides[] = {{s, twice, twice * kRow, side, parts.sides},
+                          {s * kRow, twice, twice * kRow, side, parts.sides}};
     Grids::predict_centres(g, side, parts);
     settle(std::span(centres), row_of(g.centres, 0), kStride);
     Grids::predict_sides(g, side, parts);
@@ -230,7 +231,8 @@ void HeightLevels<Number>::put(std::span<Number> square, std::span<const std::ui
       for (int row = kind.part.first_row; row < kind.part.end_row; ++row) {
         W* to = values + (k * side + row) * stride;
         const std::size_t from = kind.at(0, row), i = static_cast<std::size_t>((k * side + row) * side);
-        const auto first = static_cast<std::size_t>(kind.part.first_col), end = static_cast<std::size_t>(kind.part.end_col);
+        const auto first = static_cast<std::size_t>(kind.part.first_col),
+                   end = static_cast<std::size_t>(kind.part.end_col);
         if (coded.empty()) {
           for (std::size_t col = first; col < end; ++col) to[col] = static_cast<W>(square[from + col * kind.along]);
           continue;

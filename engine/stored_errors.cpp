@@ -52,7 +52,8 @@ StoredErrors::Around StoredErrors::around(const Page& page, const Vertex& v) {
   Around near;
   const auto below = [&](std::size_t i) { near.below[near.count++] = i; };
   if (v.col >= s && v.row >= s && v.col + s < g.cols && v.row + s < g.rows) {  // all there: by their distance
-    const auto row = static_cast<std::size_t>(g.cols), side = static_cast<std::size_t>(s), half = static_cast<std::size_t>(h);
+    const auto row = static_cast<std::size_t>(g.cols), side = static_cast<std::size_t>(s),
+               half = static_cast<std::size_t>(h);
     const bool col_odd = (unit.col & s) != 0, row_odd = (unit.row & s) != 0;
     std::size_t to_end = side * (col_odd ? 1 : row);
     if (col_odd && row_odd) {

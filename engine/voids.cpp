@@ -112,8 +112,10 @@ class HalvesOfRows {
     const std::int32_t first = extent_.first.col;
     const auto settle = [&](std::ptrdiff_t i, unsigned west, unsigned east) {
       const unsigned v = here[i], n = above[i], s = below[i];
-      const auto level_side = static_cast<unsigned>(held(v & n & west, v & n & east) | held(v & s & west, v & s & east) << 2);
-      const auto upright = static_cast<unsigned>(held(v & west & n, v & west & s) | held(v & east & n, v & east & s) << 2);
+      const auto level_side =
+          static_cast<unsigned>(held(v & n & west, v & n & east) | held(v & s & west, v & s & east) << 2);
+      const auto upright =
+          static_cast<unsigned>(held(v & west & n, v & west & s) | held(v & east & n, v & east & s) << 2);
       to[i] = static_cast<std::uint8_t>((parity == 1 ? level_side : upright) &
                                         only(first + static_cast<std::int32_t>(i), parity));
     };
@@ -171,8 +173,7 @@ class HalvesOfRows {
 
 }  // namespace
 
-VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int levels)
-    : halves_({{0, 0}, {-1, -1}}, 0, 0) {
+VoidMap::VoidMap(GridRect extent, std::span<const std::uint8_t> valid, int levels) : halves_({{0, 0}, {-1, -1}}, 0, 0) {
   reset(extent, valid, levels);
 }
 
@@ -214,7 +215,8 @@ std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
     const VertexKind kind = kind_of(vertex, s);
     const bool centre = is_centre(vertex);
     if (shift == 0 && !centre) {
-      return finest_apex_triangles(&valid_[index_in(extent_, vertex)], static_cast<std::ptrdiff_t>(extent_.cols()), kind);
+      return finest_apex_triangles(&valid_[index_in(extent_, vertex)], static_cast<std::ptrdiff_t>(extent_.cols()),
+                                   kind);
     }
     const int finer = centre ? shift : shift - 1;  // the level of the vertices that split them
     const auto level = halves_.units(finer);

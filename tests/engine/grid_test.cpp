@@ -1,6 +1,5 @@
 // What a grid point's coordinates say: its diamond, its parents, its children.
 
-#include "engine/apex_halves.hpp"
 #include "engine/grid.hpp"
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/apex_halves.hpp"
 #include "engine/half_diamond.hpp"
 #include "tests/engine/fields.hpp"
 
