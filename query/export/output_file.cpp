@@ -18,15 +18,36 @@ namespace {
 constexpr std::size_t kBuffer = 1u << 20;  // bytes
 constexpr int kTries = 100;                // names beside the target, where others write it, too
 
+/// What a link leads to, whether that is there or not: the link stays.
+std::filesystem::path followed(const std::filesystem::path& target) {
+  std::error_code failed;
+  std::filesystem::path place = target;
+  for (int i = 0; i < kTries && std::filesystem::is_symlink(place, failed); ++i) {
+    const std::filesystem::path next = std::filesystem::read_symlink(place, failed);
+    if (failed) break;
+    place = place.parent_path() / next;
+  }
+  return place;
+}
+
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path target) : target_(std::move(target)) {
+OutputFile::OutputFile(std::filesystem::path target) : target_(std::move(target)), place_(followed(target_)) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(target_, ignored)) {
+  const std::filesystem::file_status there = std::filesystem::status(place_, ignored);
+  if (std::filesystem::is_directory(there)) {
     throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", target_.string()));
   }
+  if (std::filesystem::is_symlink(place_, ignored)) {
+    throw Failure(Cause::io, fmt::format("cannot write {}: its links lead in a circle", target_.string()));
+  }
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+    throw Failure(Cause::io, fmt::format("cannot write {}: it is a device, a pipe or a socket, and would be replaced by a "
+                                         "file; name one",
+                                         target_.string()));
+  }
   for (int i = 0; file_ < 0; ++i) {
-    beside_ = target_;
+    beside_ = place_;
     beside_ += fmt::format(".{}-{}.part", ::getpid(), i);
     file_ = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file_ < 0 && (errno != EEXIST || i == kTries)) fail("write");
@@ -64,7 +85,7 @@ void OutputFile::flush() {
 void OutputFile::commit() {
   flush();
   if (::fsync(file_) != 0) fail("write");
-  if (::rename(beside_.c_str(), target_.c_str()) != 0) fail("rename what was written to");
+  if (::rename(beside_.c_str(), place_.c_str()) != 0) fail("rename what was written to");
   if (::close(std::exchange(file_, -1)) != 0) fail("close");
 }
 

@@ -13,10 +13,11 @@
 namespace talus {
 
 /// Collects bytes in a file of another name beside `target`; commit() gives it its name. Leaving
-/// without commit() removes it, and what stood under the name before is untouched.
+/// without commit() removes it, and what stood under the name before is untouched. A link is followed: what it leads to
+/// is replaced.
 class OutputFile {
  public:
-  /// fails  full, io; the sentence names the target
+  /// fails  full, io (a folder, a device); the sentence names the target
   explicit OutputFile(std::filesystem::path target);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -46,7 +47,8 @@ class OutputFile {
   void flush();
   [[noreturn]] void fail(const char* what) const;
 
-  std::filesystem::path target_, beside_;
+  std::filesystem::path target_;  ///< as it was asked for
+  std::filesystem::path place_, beside_;
   int file_ = -1;
   std::vector<char> buffer_;
 };

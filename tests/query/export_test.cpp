@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "query/export/writers.hpp"
 #include "talus/database.hpp"
@@ -123,6 +124,36 @@ TEST(Export, AFileThatCannotBeMadeLeavesNothing) {
   std::filesystem::create_directory(folder / "folder.ply");
   EXPECT_EQ(cause_of_writing(square(), folder / "folder.ply"), Cause::io);
   EXPECT_THAT(names_in(folder), ::testing::ElementsAre("folder.ply"));
+}
+
+TEST(Export, ALinkStaysAndWhatItLeadsToIsReplaced) {
+  const TempFolder folder;
+  namespace fs = std::filesystem;
+  fs::create_directory(folder / "far");
+  write_mesh(square(), georeferenced(), folder / "plain.ply");
+  std::ofstream(folder / "far/old.ply") << "old";
+  fs::create_symlink("far/old.ply", folder / "one.ply");
+  fs::create_symlink("one.ply", folder / "two.ply");
+  fs::create_symlink("far/new.ply", folder / "dangling.ply");
+  for (const char* name : {"two.ply", "dangling.ply"}) {
+    write_mesh(square(), georeferenced(), folder / name);
+    EXPECT_TRUE(fs::is_symlink(folder / name));
+    EXPECT_EQ(bytes_of(folder / name), bytes_of(folder / "plain.ply"));
+  }
+  EXPECT_TRUE(fs::is_symlink(folder / "one.ply"));
+  EXPECT_EQ(bytes_of(folder / "far/old.ply"), bytes_of(folder / "plain.ply"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "far"), {}), 2);  // nothing else was left there
+  fs::create_symlink("round.ply", folder / "round.ply");
+  EXPECT_EQ(cause_of_writing(square(), folder / "round.ply"), Cause::io);
+}
+
+TEST(Export, ADeviceIsNotReplaced) {
+  const TempFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe.ply").c_str(), 0600), 0);
+  EXPECT_EQ(cause_of_writing(square(), folder / "pipe.ply"), Cause::io);
+  std::filesystem::create_symlink("/dev/null", folder / "null.ply");
+  EXPECT_EQ(cause_of_writing(square(), folder / "null.ply"), Cause::io);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
 TEST(Export, AMeshThatNamesWhatItLacksIsRefused) {
