@@ -41,6 +41,16 @@ struct Parts {
       : sides(wanted.halved()), centres(sides.grown(1, 1, side)), even(sides.grown(2, 3, side)) {}
 };
 
+/// Where the numbers of one kind stand in the square, and what part of them is gone through.
+struct Kind {
+  std::size_t first, along, down;
+  int side;
+  Part part;
+  [[nodiscard]] std::size_t at(int col, int row) const {
+    return first + static_cast<std::size_t>(col) * along + static_cast<std::size_t>(row) * down;
+  }
+};
+
 /// Straight on over the sides: every number of the rim is where a line through the two before it goes. Of a part of a
 /// grid, which holds the two where it touches a side.
 template <class Number>
@@ -168,16 +178,6 @@ struct HeightLevels<Number>::Grids {
       for (int i = first; i < end; ++i) upper[2 * i] = line[i], upper[2 * i + 1] = along[i];
       for (int i = first; i < end; ++i) lower[2 * i] = down[i], lower[2 * i + 1] = centre[i];
     }
-  }
-};
-
-/// Where the numbers of one kind stand in the square, and what part of them is gone through.
-struct Kind {
-  std::size_t first, along, down;
-  int side;
-  Part part;
-  [[nodiscard]] std::size_t at(int col, int row) const {
-    return first + static_cast<std::size_t>(col) * along + static_cast<std::size_t>(row) * down;
   }
 };
 
