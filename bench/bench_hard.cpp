@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -185,59 +184,73 @@ double processor_seconds() {
 }
 
 struct Cost {
-  double ingest_ns = 0, exact_ns = 0, coarse_ns = 0;  ///< a sample
+  double ingest_ns = 1e300, exact_ns = 1e300, coarse_ns = 1e300;  ///< a sample, the least of all rounds
 };
 
-/// The coarse question is at the tolerance that leaves a hundredth of the samples, as a range of heights allows.
-Cost measured(const Kind& kind, const Folder& folder) {
-  const Terrain terrain = kind.make();
-  const auto samples = static_cast<double>(terrain.values.size());
-  const fs::path raster = folder.file("raster.tif"), database = folder.file("database.talus");
-  write(kind, terrain, raster);
-  Cost least{1e300, 1e300, 1e300};
-  IngestOptions options;
-  options.threads = 1, options.overwrite = true;
-  for (int round = 0; round < kRounds; ++round) {
-    const double begun = processor_seconds();
-    (void)ingest(raster, database, options);
-    least.ingest_ns = std::min(least.ingest_ns, (processor_seconds() - begun) * 1e9 / samples);
+/// A kind's raster and database, asked one round at a time.
+class Case {
+ public:
+  Case(const Kind& kind, const Folder& folder, const char* name)
+      : raster_(folder.file(std::string(name) + ".tif")), database_(folder.file(std::string(name) + ".talus")) {
+    const Terrain terrain = kind.make();
+    samples_ = static_cast<double>(terrain.values.size());
+    write(kind, terrain, raster_);
   }
-  const Snapshot now = Database::open(database).snapshot();
-  const auto ask = [&](double tolerance, double& ns) {
-    for (int round = 0; round < kRounds; ++round) {
-      const double begun = processor_seconds();
-      const Mesh mesh = triangulate(now.range(now.description().extent, Metres{tolerance}).quadtree);
+  void ingest_once() {
+    IngestOptions options;
+    options.threads = 1, options.overwrite = true;
+    take(cost_.ingest_ns, [&] { (void)ingest(raster_, database_, options); });
+  }
+  /// The coarse question is at the tolerance that leaves a hundredth of the samples, as a range of heights allows.
+  void ask_once() {
+    const Snapshot now = Database::open(database_).snapshot();
+    const Description& d = now.description();
+    const auto ask = [&](double tolerance) {
+      const Mesh mesh = triangulate(now.range(d.extent, Metres{tolerance}).quadtree);
       benchmark::DoNotOptimize(mesh.triangles.data());
-      ns = std::min(ns, (processor_seconds() - begun) * 1e9 / samples);
-    }
-  };
-  ask(0, least.exact_ns);
-  const Description& d = now.description();
-  ask((d.maximum - d.minimum) / 32, least.coarse_ns);
-  fs::remove(database), fs::remove(raster);
-  return least;
-}
+    };
+    take(cost_.exact_ns, [&] { ask(0); });
+    take(cost_.coarse_ns, [&] { ask((d.maximum - d.minimum) / 32); });
+  }
+  [[nodiscard]] const Cost& cost() const { return cost_; }
 
-const Cost& cost_of(const Kind& kind) {
+ private:
+  template <class Work>
+  void take(double& ns, Work&& work) const {
+    const double begun = processor_seconds();
+    work();
+    ns = std::min(ns, (processor_seconds() - begun) * 1e9 / samples_);
+  }
+
+  fs::path raster_, database_;
+  double samples_ = 0;
+  Cost cost_;
+};
+
+/// A kind and ordinary terrain by turns, so that a machine that changes its speed changes it for both.
+struct Compared {
+  Cost own, ordinary;
+};
+Compared compared(const Kind& kind) {
   static const Folder folder;
-  static std::map<std::string, Cost> known;
-  const auto at = known.find(kind.name);
-  return at != known.end() ? at->second : known.emplace(kind.name, measured(kind, folder)).first->second;
+  Case own(kind, folder, "own"), plain(kinds().front(), folder, "plain");
+  for (int round = 0; round < kRounds; ++round) plain.ingest_once(), own.ingest_once();
+  for (int round = 0; round < kRounds; ++round) plain.ask_once(), own.ask_once();
+  return {own.cost(), plain.cost()};
 }
 
 /// One row a kind: the time is that of its ingest and its two answers, counters hold them apart and against the ordinary.
 void hard(benchmark::State& state, const Kind& kind) {
-  const Cost& plain = cost_of(kinds().front());
-  const Cost cost = cost_of(kind);
-  for (auto _ : state) state.SetIterationTime((cost.ingest_ns + cost.exact_ns + cost.coarse_ns) * 1e-9);
-  state.counters["ingest_ns"] = cost.ingest_ns;
-  state.counters["ingest_against_ordinary"] = cost.ingest_ns / plain.ingest_ns;
-  state.counters["exact_ns"] = cost.exact_ns;
-  state.counters["exact_against_ordinary"] = cost.exact_ns / plain.exact_ns;
-  state.counters["coarse_ns"] = cost.coarse_ns;
-  state.counters["coarse_against_ordinary"] = cost.coarse_ns / plain.coarse_ns;
-  state.counters["against_ordinary"] =
-      std::max({cost.ingest_ns / plain.ingest_ns, cost.exact_ns / plain.exact_ns});
+  const auto [own, ordinary] = compared(kind);
+  for (auto _ : state) state.SetIterationTime((own.ingest_ns + own.exact_ns + own.coarse_ns) * 1e-9);
+  const double ingest = own.ingest_ns / ordinary.ingest_ns, exact = own.exact_ns / ordinary.exact_ns;
+  state.counters["ingest_ns"] = own.ingest_ns;
+  state.counters["ingest_against_ordinary"] = ingest;
+  state.counters["exact_ns"] = own.exact_ns;
+  state.counters["exact_against_ordinary"] = exact;
+  state.counters["coarse_ns"] = own.coarse_ns;
+  state.counters["coarse_against_ordinary"] = own.coarse_ns / ordinary.coarse_ns;
+  state.counters["against_ordinary"] = std::max(ingest, exact);
 }
 
 [[maybe_unused]] const bool registered = [] {
