@@ -200,12 +200,14 @@ TEST_F(Command, AnIngestThatIsKilledAgainAndAgainEndsInTheSamePages) {
     const Outcome outcome = talus({"ingest", "big.tif", "big.talus", "--resume"}, options);
     if (outcome.signal == 0) {
       EXPECT_EQ(outcome.exit_code, done) << outcome.err;
+    }
+    // The kill can come between the database's name and the program's end.
+    if (outcome.signal == 0 || std::filesystem::exists(folder / "big.talus")) {
       EXPECT_TRUE(pages_of(folder / "big.talus") == undisturbed);
       std::filesystem::remove(folder / "big.talus");
       continue;
     }
     ++killed;
-    EXPECT_FALSE(std::filesystem::exists(folder / "big.talus"));
     for (const auto& [name, bytes] : contents()) {
       EXPECT_TRUE(name.ends_with(".tif") || name == "undisturbed.talus" || name.starts_with("big.talus.part")) << name;
     }
