@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 
-
 namespace talus {
 namespace {
 
@@ -10,7 +9,12 @@ class Around {
  public:
   Around(GridRect region, GridRect extent, int finest_height, const Above& above, const ExtentBorder& border,
          NearbyPages& pages)
-      : region_(region), extent_(extent), finest_height_(finest_height), above_(above), border_(border), pages_(pages) {}
+      : region_(region),
+        extent_(extent),
+        finest_height_(finest_height),
+        above_(above),
+        border_(border),
+        pages_(pages) {}
 
   VerticesAround run() {
     // The four root squares meet at the origin; each is two triangles along the diagonal through it or across it.
@@ -32,6 +36,7 @@ class Around {
     const GridPoint split = midpoint(t.left, t.right);
     const bool is_finest = std::abs(t.left.col - t.right.col) < 2 && std::abs(t.left.row - t.right.row) < 2;
     if (is_finest || !is_split(t, split)) {
+      if (!is_finest && !region_.contains(split)) leave_out(split);
       for (const GridPoint p : {t.apex, t.left, t.right}) {
         if (!region_.contains(p)) outside_.corners.push_back(p);
       }
@@ -42,16 +47,21 @@ class Around {
     visit({split, t.apex, t.right});
   }
 
+  void leave_out(GridPoint split) {
+    if (const Page* page = pages_.page_of_vertex(split)) outside_.absent.take(*page, index_in(*page, split));
+  }
+  static std::size_t index_in(const Page& page, GridPoint p) {
+    return page.index((p.col >> page.grid.shift) - page.grid.first.col,
+                      (p.row >> page.grid.shift) - page.grid.first.row);
+  }
+
   /// A triangle that leaves the extent is split by the extent's border, whether its split vertex is there or not.
   bool is_split(const Triangle& t, GridPoint split) {
     if (!extent_.contains(t.apex) || !extent_.contains(t.left) || !extent_.contains(t.right)) return true;
     if (border_.contains(split)) return true;
     if (height_in_tree(split) < finest_height_) return false;
     const Page* page = pages_.page_of_vertex(split);
-    if (page == nullptr) return false;
-    const std::int32_t col = (split.col >> page->grid.shift) - page->grid.first.col;
-    const std::int32_t row = (split.row >> page->grid.shift) - page->grid.first.row;
-    return above_(*page, page->index(col, row));
+    return page != nullptr && above_(*page, index_in(*page, split));
   }
 
   GridRect region_, extent_;

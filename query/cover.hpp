@@ -15,6 +15,8 @@ struct VerticesAround {
   /// Split vertices outside the region of triangles that are none of them: where all corners of such a triangle are
   /// vertices of the answer, this must be one, too, and tells that the triangle was split.
   std::vector<GridPoint> splits;
+  /// Of the split vertices that are absent outside the region: what their triangles leave out, inside it and beyond.
+  LargestAbsent absent;
 };
 
 /// cost  in proportion to the triangles that the region's sides cut

@@ -127,6 +127,7 @@ class Selection {
         window = {{std::min(window.first.col, p.col), std::min(window.first.row, p.row)},
                   {std::max(window.last.col, p.col), std::max(window.last.row, p.row)}};
       }
+      absent_ = outside.absent;
       needed = std::move(outside.corners);
       for (const GridPoint p : outside.splits) {
         if (window.contains(p)) needed.push_back(p);

@@ -17,12 +17,13 @@ namespace {
 
 constexpr std::size_t kBuffer = 1u << 20;  // bytes
 constexpr int kTries = 100;                // names beside the target, where others write it, too
+constexpr int kLinks = 40;                 // one behind the other
 
 /// What a link leads to, whether that is there or not: the link stays.
 std::filesystem::path followed(const std::filesystem::path& target) {
   std::error_code failed;
   std::filesystem::path place = target;
-  for (int i = 0; i < kTries && std::filesystem::is_symlink(place, failed); ++i) {
+  for (int i = 0; i < kLinks && std::filesystem::is_symlink(place, failed); ++i) {
     const std::filesystem::path next = std::filesystem::read_symlink(place, failed);
     if (failed) break;
     place = place.parent_path() / next;
@@ -42,9 +43,10 @@ OutputFile::OutputFile(std::filesystem::path target) : target_(std::move(target)
     throw Failure(Cause::io, fmt::format("cannot write {}: its links lead in a circle", target_.string()));
   }
   if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: it is a device, a pipe or a socket, and would be replaced by a "
-                                         "file; name one",
-                                         target_.string()));
+    throw Failure(Cause::io,
+                  fmt::format("cannot write {}: it is a device, a pipe or a socket, and would be replaced by a "
+                              "file; name one",
+                              target_.string()));
   }
   for (int i = 0; file_ < 0; ++i) {
     beside_ = place_;

@@ -122,9 +122,11 @@ TEST_P(RealQuestions, Covered) {
     q.region = random_rect(1);
     q.tolerance = Metres{random_metres()};
     q.border = Border::cover;
-    const Mesh mesh = triangulate(now_->ask(q).quadtree);
+    const Answer answer = now_->ask(q);
+    EXPECT_LE(answer.quadtree.bound.value, q.tolerance.value);
+    const Mesh mesh = triangulate(answer.quadtree);
     expect_filled(
-        mesh, window_of(q.region), q.region, [&](GridPoint) { return q.tolerance.value; },
+        mesh, window_of(q.region), q.region, [&](GridPoint) { return answer.quadtree.bound.value; },
         name(q.region, q.tolerance.value));
   }
 }
@@ -161,9 +163,12 @@ TEST_P(RealQuestions, ClippedAndItsNeighbour) {
                   {int(std::ceil(f.east)), int(std::ceil(f.south))}};
       q.tolerance = Metres{tolerance};
       q.border = Border::clip;
-      meshes[k] = clip_mesh(triangulate(now_->ask(q).quadtree), f);
+      const Answer answer = now_->ask(q);
+      EXPECT_LE(answer.quadtree.bound.value, tolerance);
+      meshes[k] = clip_mesh(triangulate(answer.quadtree), f);
       expect_filled(
-          meshes[k], {f.west, f.north, f.east, f.south}, q.region, [&](GridPoint) { return tolerance; },
+          meshes[k], {f.west, f.north, f.east, f.south}, q.region,
+          [&](GridPoint) { return answer.quadtree.bound.value; },
           name(q.region, tolerance));
     }
     EXPECT_EQ(open_edges_along(meshes[0], middle), open_edges_along(meshes[1], middle))
