@@ -12,12 +12,14 @@ namespace talus {
 /// Kinds of vertices that look alike from level to level.
 enum class VertexKind : std::uint8_t { level_side, upright_side, falling_centre, rising_centre };
 
-/// `col_odd`, `row_odd` in units of its spacing s, one of them at least; of a centre, whether its diagonal falls.
+/// Of a vertex of spacing s, which its level knows.
 [[nodiscard]] constexpr VertexKind kind_of(GridPoint p, std::int32_t s) {
   const bool col_odd = (p.col & s) != 0, row_odd = (p.row & s) != 0;
   if (col_odd != row_odd) return col_odd ? VertexKind::level_side : VertexKind::upright_side;
   return (((p.col - s) ^ (p.row - s)) & (2 * s)) == 0 ? VertexKind::falling_centre : VertexKind::rising_centre;
 }
+
+[[nodiscard]] constexpr bool is_centre(VertexKind kind) { return kind >= VertexKind::falling_centre; }
 
 /// An apex triangle as the half of the vertex that splits it: how far that one is, in spacings of a centre and in half
 /// spacings of a side midpoint, and which of its halves. A finest side midpoint's is split by none.

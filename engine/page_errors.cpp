@@ -221,12 +221,9 @@ struct Sorted {
     }
   }
 
-  /// With the rows around, as far as those that are there reach: what stands there meets nothing that is implied.
+  /// Other rows keep what they had: it meets nothing that is implied.
   [[gnu::always_inline]] void take_in(const Distance* square, const PresentRect& present) {
-    constexpr int kReach = 10;
-    static_assert(kReach == reach_of(kBlock / 2, true));
-    const int end_row = std::min(present.end_row + kReach, int{kPageSide});
-    for (int row = std::max(present.first_row - kReach, 0); row < end_row; ++row) {
+    for (int row = present.first_row; row < present.end_row; ++row) {
       const Distance* from = square + row * kPageSide;
       Unsigned *to = numbers + kRim + row * kPageSide, halves[kPageSide], quarters[kPageSide];
       // Three times even places first, then odd ones.
@@ -392,10 +389,9 @@ double distance_rounded_up(double a, double b, double h) {
     const double back = sum - one;
     return (one - (sum - back)) + (other - back);
   };
+  if (halves_exactly(a, b, h)) return 0;
   const double sum = a + b, middle = sum / 2, d = h - middle;
-  const double lost_in_sum = lost(a, b, sum);
-  if (sum == 2 * h && lost_in_sum == 0) return 0;
-  const bool exact = lost_in_sum == 0 && middle * 2 == sum && lost(h, -middle, d) == 0;
+  const bool exact = lost(a, b, sum) == 0 && middle * 2 == sum && lost(h, -middle, d) == 0;
   // Of numbers that are not negative the next one has the next bits.
   constexpr auto kInfinite = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   const auto bits = std::bit_cast<std::uint64_t>(std::abs(d));

@@ -115,10 +115,16 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
     const int half = diamond(split).apexes[0] == vertex ? 0 : 2;
     return (covers[index_of(grid, here.col, here.row)] >> half & 3) != 0;
   };
+  const auto guess_at_the_rim = [&](GridPoint vertex) {
+    unsigned guess = 0;
+    const auto triangles = apex_triangles(vertex);
+    for (std::size_t k = 0; k < 4; ++k) guess |= (holds_data(vertex, triangles[k]) ? 1u : 0u) << k;
+    return guess;
+  };
   // The same where all is in the page.
   const auto guess_inside = [&](std::size_t i, GridPoint vertex, int s) -> unsigned {
     const VertexKind kind = kind_of(vertex, s);
-    const bool centre = kind == VertexKind::falling_centre || kind == VertexKind::rising_centre;
+    const bool centre = is_centre(kind);
     if (s == 1 && !centre) return valid.empty() ? 15 : finest_apex_triangles(&valid[i], grid.cols, kind);
     const std::uint8_t* at = &covers[i];
     const std::ptrdiff_t step = centre ? s : s / 2;
@@ -136,20 +142,12 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
     const std::size_t i = index_of(grid, col, row);
     const bool inside = col >= s && row >= s && col + s < grid.cols && row + s < grid.rows;
     unsigned guess = 15;
-    if (s < kPageSide) {
-      const int data = inside ? sum(col + s + 1, row + s + 1) - sum(col - s, row + s + 1) - sum(col + s + 1, row - s) +
-                                    sum(col - s, row - s)
-                              : 1;
-      if (data == 0) {
-        guess = 0;
-      } else if (inside && data < (2 * s + 1) * (2 * s + 1)) {
-        guess = guess_inside(i, in_units(col, row), s);
-      } else if (!inside) {
-        guess = 0;
-        const GridPoint vertex = in_units(col, row);
-        const auto triangles = apex_triangles(vertex);
-        for (std::size_t k = 0; k < 4; ++k) guess |= (holds_data(vertex, triangles[k]) ? 1u : 0u) << k;
-      }
+    if (inside) {
+      const int data = sum(col + s + 1, row + s + 1) - sum(col - s, row + s + 1) - sum(col + s + 1, row - s) +
+                       sum(col - s, row - s);
+      if (data < (2 * s + 1) * (2 * s + 1)) guess = data == 0 ? 0 : guess_inside(i, in_units(col, row), s);
+    } else if (s < kPageSide) {
+      guess = guess_at_the_rim(in_units(col, row));
     }
     covers[i] = visit(i, static_cast<std::uint8_t>(guess), inside);
   };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/apex_halves.hpp"
+
 namespace talus {
 namespace {
 
@@ -54,10 +56,12 @@ StoredErrors::Around StoredErrors::around(const Page& page, const Vertex& v) {
   if (v.col >= s && v.row >= s && v.col + s < g.cols && v.row + s < g.rows) {  // all there: by their distance
     const auto row = static_cast<std::size_t>(g.cols), side = static_cast<std::size_t>(s),
                half = static_cast<std::size_t>(h);
-    const bool col_odd = (unit.col & s) != 0, row_odd = (unit.row & s) != 0;
-    std::size_t to_end = side * (col_odd ? 1 : row);
-    if (col_odd && row_odd) {
-      to_end = side * ((((unit.col - s) ^ (unit.row - s)) & (2 * s)) == 0 ? row + 1 : row - 1);
+    const VertexKind kind = kind_of(unit, s);
+    const std::size_t to_end = side * (kind == VertexKind::level_side       ? 1
+                                       : kind == VertexKind::upright_side   ? row
+                                       : kind == VertexKind::falling_centre ? row + 1
+                                                                            : row - 1);
+    if (is_centre(kind)) {
       for (const std::size_t by : {side, side * row}) below(v.index - by), below(v.index + by);
     } else if (h > 0) {
       for (const std::size_t by : {half * (row - 1), half * (row + 1)}) below(v.index - by), below(v.index + by);

@@ -213,7 +213,7 @@ std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
   std::uint8_t bits = 0;
   if (extent_.contains({vertex.col - s, vertex.row - s}) && extent_.contains({vertex.col + s, vertex.row + s})) {
     const VertexKind kind = kind_of(vertex, s);
-    const bool centre = is_centre(vertex);
+    const bool centre = is_centre(kind);
     if (shift == 0 && !centre) {
       return finest_apex_triangles(&valid_[index_in(extent_, vertex)], static_cast<std::ptrdiff_t>(extent_.cols()),
                                    kind);
