@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -163,6 +166,33 @@ TEST(PageErrors, OfFloatsAreTheDefinitionsToo) {
   const Packed exact(decimals, {0, 0, 0});
   EXPECT_FALSE(exact.page.distances.empty());
   EXPECT_GT(expect_implied_as_defined(decimals, exact), 15000u);
+}
+
+/// Whole numbers of 53 bits: a sum of two needs one more than a double has, and all is known exactly in 64.
+TEST(PageErrors, WhereArithmeticRoundsAreNotBelowTheTruth) {
+  Random random(9);
+  std::vector<double> square(kSquare);
+  for (double& v : square) v = static_cast<double>(static_cast<std::int64_t>(random.next() >> 11)) - 0x1p52;
+  std::vector<double> distances(kSquare);
+  implied_errors_rounded_up(square, PresentRect{}, {}, distances);
+  const auto at = [&](int col, int row) { return static_cast<std::size_t>(row * kPageSide + col); };
+  std::size_t sides = 0, centres = 0;
+  for (int row = 1; row + 1 < kPageSide; ++row) {
+    for (int col = 1; col + 1 < kPageSide; ++col) {
+      const GridPoint p{col, row};
+      if (spacing(p) != 1) continue;
+      const Diamond d = diamond(p);
+      const auto height = [&](GridPoint q) { return static_cast<std::int64_t>(square[at(q.col, q.row)]); };
+      const std::int64_t twice = std::abs(2 * height(p) - height(d.ends[0]) - height(d.ends[1]));
+      EXPECT_GE(static_cast<std::int64_t>(std::floor(2 * distances[at(col, row)])), twice) << col << ", " << row;
+      ++(is_centre(p) ? centres : sides);
+      if (!is_centre(p)) {  // and as near to it as two steps of a double
+        EXPECT_LE(2 * distances[at(col, row)], static_cast<double>(twice) * (1 + 0x1p-50));
+      }
+    }
+  }
+  EXPECT_EQ(centres, 63u * 63u);
+  EXPECT_EQ(sides, 2u * 63u * 63u);
 }
 
 TEST(PageErrors, AreImpliedAmidVoidsWhereEverythingInReachIsData) {
