@@ -50,7 +50,7 @@ void add_height_words(CLI::App* command, HeightWords& words) {
       ->add_option("--quantum", words.quantum,
                    "Of bounded heights, so that increments of the same quantum can go on from the answer; without\n"
                    "it one is chosen, with fewer vertices, and nothing goes on from the answer. Of fitted heights: a\n"
-                   "smaller one needs fewer vertices and more bytes; without it half the tolerance")
+                   "smaller one mostly needs fewer vertices, and more bytes; without it half the tolerance")
       ->option_text("M");
 }
 
