@@ -72,7 +72,10 @@ Exit run(const Request& request) {
     // Closed again before anything is measured: what is open stays in memory.
     const Snapshot now = Database::open(request.database).snapshot();
     if (rectangle) options.region = now.region(*rectangle);
-    if (!request.against.empty()) options.truth = open_truth(request.against, now.description(), request.database);
+    if (!request.against.empty()) {
+      options.truth = of_same_heights(open_truth(request.against, now.description(), request.database), request.against,
+                                      request.database);
+    }
   }
   for (const std::string& output : request.outputs) check_output(output, request.database);
 
@@ -123,12 +126,12 @@ void add_accuracy(CLI::App& program, Action& action) {
       ->option_text("N");
   command
       ->add_option("--tolerances", request->tolerances,
-                   "Metres, 0 or more, with commas between; without them 1, 2, 5, 10 ... over the errors found")
+                   "Metres, 0 or more and finite, with commas between; without them 1, 2, 5, 10 ... over the errors found")
       ->option_text("M,M,...");
   command
       ->add_option("--time", request->time,
-                   "Recommend for this much time an answer, as 10ms or 0.5s; without it about what\n"
-                   "the tolerance amid the others takes")
+                   "Recommend the least tolerance that so much time buys, as 10ms or 0.5s; without it the\n"
+                   "tolerance amid the others is recommended, and what it takes")
       ->option_text("T");
   command->add_option("--map", request->map, "Tolerance of the maps; without it the recommended one")->option_text("M");
   command->add_option("--threads", request->threads, "Of an answer of a million samples or more; 0: one a core")

@@ -14,6 +14,8 @@
 namespace talus::app {
 namespace {
 
+constexpr double kHardlySlower = 1.5;  // than the advised answer: time is then no reason to ask for less
+
 std::string metres3(Metres m) { return fmt::format("{:.3g} m", m.value); }
 std::string exactly(Metres m) { return fmt::format("{} m", m.value); }
 
@@ -26,15 +28,16 @@ const AccuracyPoint* advised(const AccuracyReport& report) {
   return report.advice.point ? &report.points[*report.advice.point] : nullptr;
 }
 
-/// A measured point to compare the advised one with: half its tolerance or finer, else twice or coarser.
+/// A measured point to compare the advised one with: half its tolerance or finer and slower, else twice or coarser and faster,
+/// by more than answers waver.
 const AccuracyPoint* compared(const AccuracyReport& report) {
   const AccuracyPoint* const point = advised(report);
   if (point == nullptr) return nullptr;
   for (const AccuracyPoint& p : report.points) {
-    if (&p != point && p.tolerance.value <= point->tolerance.value / 2) return &p;
+    if (p.tolerance.value <= point->tolerance.value / 2 && p.warm_seconds > point->warm_high_seconds) return &p;
   }
   for (auto p = report.points.rbegin(); p != report.points.rend(); ++p) {
-    if (&*p != point && p->tolerance.value >= 2 * point->tolerance.value) return &*p;
+    if (p->tolerance.value >= 2 * point->tolerance.value && p->warm_seconds < point->warm_low_seconds) return &*p;
   }
   return nullptr;
 }
@@ -114,11 +117,11 @@ std::string cold_text(const AccuracyReport& report) {
 
 constexpr const char* kWarm =
     "from question to mesh, the file in memory and nothing of it decoded, in a program that has answered before; "
-    "median of five to 101. "
+    "median of five to 101, and between what times the middle half of them lay. "
     "A program that has just started, as talus query, takes longer: all its memory is fresh";
 
 /// What a reader must know to take the figures for what they are.
-std::vector<std::string> caveats(const AccuracyReport& report) {
+std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNames& names) {
   std::vector<std::string> sentences;
   const Description& d = report.description;
   if (!report.has_truth) {
@@ -133,8 +136,13 @@ std::vector<std::string> caveats(const AccuracyReport& report) {
     sentences.push_back("The database's tolerances are kept at right angles to triangles; true errors here are along the vertical.");
   if (d.lossy_metres > 0 && report.has_truth) {
     sentences.push_back(fmt::format(
-        "Ingest rounded heights by up to {} m: errors here are against the rounded ones, bounds count that in.",
-        d.lossy_metres));
+        "Ingest rounded heights by up to {} m, which bounds count in{}.", d.lossy_metres,
+        names.truth.empty() ? "; errors here are against the rounded ones: --against DEM measures them against the source" : ""));
+  }
+  const auto is_upside_down = [](const AccuracyPoint& p) { return p.cold_seconds < p.warm_seconds; };
+  if (std::any_of(report.points.begin(), report.points.end(), is_upside_down)) {
+    sentences.push_back("Some cold answers were faster than warm ones: reading takes less than times waver, for the file is "
+                        "small, the disk fast, or the machine busy.");
   }
   if (report.points.back().vertices == report.points.front().vertices && report.points.size() > 1)
     sentences.push_back("Every tolerance that was asked for has the same answer.");
@@ -147,12 +155,13 @@ std::vector<std::vector<std::string>> rows_of(const AccuracyReport& report) {
   std::vector<std::vector<std::string>> rows{{"tolerance"}};
   std::vector<std::string>& head = rows.front();
   if (report.has_truth) head.insert(head.end(), {"largest", "95 %", "RMS"});
-  head.insert(head.end(), {"vertices", "triangles", "stream", "warm", "cold"});
+  head.insert(head.end(), {"vertices", "triangles", "stream", "warm", "middle half", "cold"});
   for (const AccuracyPoint& p : report.points) {
     std::vector<std::string> row{exactly(p.tolerance)};
     if (p.errors)
       row.insert(row.end(), {metres3(p.errors->largest), metres3(p.errors->percentile_95), metres3(p.errors->rms)});
     row.insert(row.end(), {counted(p.vertices), counted(p.triangles), sized(p.bytes), timed(p.warm_seconds),
+                           fmt::format("{} to {}", timed(p.warm_low_seconds), timed(p.warm_high_seconds)),
                            timed(p.cold_seconds)});
     rows.push_back(std::move(row));
   }
@@ -253,9 +262,18 @@ std::string recommendation(const AccuracyReport& report) {
           ? fmt::format("{} are more than is needed: the finest that was asked for, {}, takes {}",
                         budget_text(advice.budget_seconds), exactly(point->tolerance), timed(point->warm_seconds))
           : fmt::format("For {} you can have {}", budget_text(advice.budget_seconds), exactly(point->tolerance));
-  if (other != nullptr)
-    text += fmt::format("; for {} you pay {}", exactly(other->tolerance), timed(other->warm_seconds));
-  return text + ".";
+  if (other != nullptr) {
+    const std::string tolerance = exactly(other->tolerance), time = timed(other->warm_seconds);
+    text += other->tolerance < point->tolerance ? fmt::format("; for {} you pay {}", tolerance, time)
+                                                : fmt::format("; {} take {}", tolerance, time);
+  }
+  text += ".";
+  const AccuracyPoint& finest = report.points.back();
+  if (&finest != point && finest.warm_seconds < kHardlySlower * point->warm_seconds) {
+    text += fmt::format(" Even {}, the finest here, takes {}: let vertices and bytes decide, not time.", exactly(finest.tolerance),
+                        timed(finest.warm_seconds));
+  }
+  return text;
 }
 
 std::vector<std::string> advised_query(const AccuracyReport& report, const AccuracyNames& names) {
@@ -272,7 +290,7 @@ std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& nam
   table.add("warm", kWarm);
   table.add("cold", cold_text(report));
   table.add("threads", fmt::format("{}", report.threads));
-  for (const std::string& sentence : caveats(report)) table.add("note", sentence);
+  for (const std::string& sentence : caveats(report, names)) table.add("note", sentence);
   std::string text = table.text() + "\n" + aligned(rows_of(report)) + "\n" + recommendation(report) + "\n";
   for (const AccuracyPoint* p : {advised(report), compared(report)}) {
     if (p != nullptr) text += "  " + what_it_is(report, *p) + "\n";
@@ -286,7 +304,8 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
   const auto point_json = [&](const AccuracyPoint& p) {
     Json json{{"tolerance", p.tolerance.value},   {"bound", p.bound.value},        {"vertices", p.vertices},
               {"most_vertices", p.most_vertices}, {"triangles", p.triangles},      {"bytes", p.bytes},
-              {"warm_seconds", p.warm_seconds},   {"cold_seconds", p.cold_seconds}};
+              {"warm_seconds", p.warm_seconds},   {"cold_seconds", p.cold_seconds},
+              {"warm_quartiles_seconds", {p.warm_low_seconds, p.warm_high_seconds}}};
     if (p.errors) {
       json["largest_error"] = p.errors->largest.value;
       json["percentile_95_error"] = p.errors->percentile_95.value;
@@ -311,7 +330,7 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
   }
   Json json{{"database", names.database},
             {"windows", windows},
-            {"is_whole", report.is_whole},
+            {"is_whole_region", report.is_whole},
             {"places", report.places},
             {"places_with_terrain", report.places_with_terrain},
             {"truth", !report.has_truth ? Json() : Json(names.truth.empty() ? "samples" : names.truth)},
@@ -320,7 +339,7 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
             {"share_in_memory", report.share_in_memory ? Json(*report.share_in_memory) : Json()},
             {"points", points},
             {"recommendation", advice},
-            {"notes", caveats(report)}};
+            {"notes", caveats(report, names)}};
   if (!report.maps.empty()) json["map_tolerance"] = report.map_tolerance.value;
   return json;
 }
@@ -334,7 +353,7 @@ std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& name
   body += paragraph(recommendation(report), kMargin, y, 14, kWidth - 2 * kMargin);
   y += 2;
   body += paragraph("Measured: " + question_text(report) + ".", kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
-  for (const std::string& sentence : caveats(report))
+  for (const std::string& sentence : caveats(report, names))
     body += paragraph(sentence, kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
   y += 10;
   const double right = 2 * kMargin + kColumn, below = y + kChartHeight + 16;
@@ -385,7 +404,7 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
   add("Warm", std::string(kWarm) + ".");
   add("Cold", cold_text(report) + ".");
   add("Threads", fmt::format("{}, which answers of a million samples and more use.", report.threads));
-  for (const std::string& sentence : caveats(report)) add("Note", sentence);
+  for (const std::string& sentence : caveats(report, names)) add("Note", sentence);
   terms += "</dl>\n";
   std::string maps;
   if (!report.maps.empty()) {

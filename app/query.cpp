@@ -55,14 +55,6 @@ std::string why_empty(GridRect region) {
   return "no triangle: the region holds no three neighbouring samples of data";
 }
 
-std::string why_coarser(const Description& d, Metres tolerance) {
-  const double finest = std::max(d.lossy_metres, d.finest_tolerance);
-  if (tolerance.value >= finest) return "";
-  return fmt::format("the finest there is: {}", d.finest_tolerance > 0
-                                                    ? fmt::format("ingest kept the vertices of {} m", finest)
-                                                    : fmt::format("ingest rounded heights by up to {} m", finest));
-}
-
 std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& files) {
   std::vector<RestrictedQuadtree> neighbours;
   for (const std::string& file : files) {
@@ -332,7 +324,8 @@ void add_query(CLI::App& program, Action& action) {
   command->footer(
       "\n"
       "Answer a rectangle at a tolerance with a crack-free mesh: every valid sample of the rectangle under it lies\n"
-      "within the tolerance of its surface.\n"
+      "within the tolerance of its surface. Answers at one tolerance for rectangles that share a whole side meet\n"
+      "without a crack if both are at least 16 cells deep across it.\n"
       "\n"
       "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
       "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"

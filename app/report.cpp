@@ -86,6 +86,14 @@ std::string bound_text(const Description& d, Metres bound) {
   return metres(bound.value);
 }
 
+std::string why_coarser(const Description& d, Metres tolerance) {
+  const double finest = std::max(d.lossy_metres, d.finest_tolerance);
+  if (tolerance.value >= finest) return "";
+  return fmt::format("the finest there is: {}", d.finest_tolerance > 0
+                                                    ? fmt::format("ingest kept the vertices of {} m", finest)
+                                                    : fmt::format("ingest rounded heights by up to {} m", finest));
+}
+
 std::string bounds_text(const Description& d, GridRect region) {
   return fmt::format("x {} to {}, y {} to {} ({} x {} samples)", d.mapping.x(region.first.col),
                      d.mapping.x(region.last.col), d.mapping.y(region.last.row), d.mapping.y(region.first.row),

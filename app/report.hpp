@@ -43,6 +43,8 @@ void print(const std::string& text);
 [[nodiscard]] Json bounds(const Description& description, GridRect region);
 /// What a bound is worth in a database, or in what was answered from it.
 [[nodiscard]] std::string bound_text(const Description& description, Metres bound);
+/// Why a bound is above the tolerance; empty where it is not.
+[[nodiscard]] std::string why_coarser(const Description& description, Metres tolerance);
 [[nodiscard]] std::string bounds_text(const Description& description, GridRect region);
 
 }  // namespace talus::app

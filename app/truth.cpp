@@ -1,7 +1,9 @@
 #include "app/truth.hpp"
 
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,10 +31,8 @@ std::string name_of(const std::vector<std::string>& against) {
 
 SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
                         const std::string& database) {
-  InputOptions inputs;
-  inputs.height_step = 2 * description.lossy_metres;  // heights are held against those the database rounded
   const auto raster =
-      std::make_shared<Raster>(std::vector<std::filesystem::path>{against.begin(), against.end()}, inputs);
+      std::make_shared<Raster>(std::vector<std::filesystem::path>{against.begin(), against.end()}, InputOptions{});
   const GridRect ours = description.extent, theirs = raster->description().extent;
   if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {
     throw Failure(Cause::invalid_argument,
@@ -44,12 +44,37 @@ SampleReader open_truth(const std::vector<std::string>& against, const Descripti
                   fmt::format("{} lies elsewhere than {}: not the raster this database was made from", name_of(against),
                               database));
   }
+  if (!same_crs(description.crs_wkt, raster->description().crs_wkt)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has another CRS than {}, or one of them has none: not the raster this database was made from",
+                              name_of(against), database));
+  }
   // Joined otherwise, the same raster may count its samples from another corner.
   const std::int32_t east = theirs.first.col - ours.first.col, south = theirs.first.row - ours.first.row;
   return [raster, east, south](GridRect part) {
     SampleWindow window =
         raster->read({{part.first.col + east, part.first.row + south}, {part.last.col + east, part.last.row + south}});
     window.region = part;
+    return window;
+  };
+}
+
+SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>& against, const std::string& database) {
+  return [truth = std::move(truth), name = name_of(against), database](GridRect part) {
+    SampleWindow window = truth(part);
+    const Snapshot now = Database::open(database).snapshot();
+    const Description& d = now.description();
+    const RestrictedQuadtree finest = now.range(part, Metres{0}).quadtree;
+    std::size_t i = 0;
+    finest.vertices.for_each([&](GridPoint p) {
+      const double kept = finest.heights[i++], there = window.values[window.index(p)];
+      if (window.valid[window.index(p)] == 0) return;  // fills of voids are the database's own
+      const double rounding = d.lossy_metres / d.metres_per_unit + 4 * std::numeric_limits<double>::epsilon() * std::abs(there);
+      if (std::abs(kept - there) <= rounding) return;
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("{} is {} high at column {}, row {}, and {} has {} there: not the raster this database was made "
+                                "from", name, there, p.col, p.row, database, kept));
+    });
     return window;
   };
 }

@@ -12,9 +12,14 @@ namespace talus::app {
 ///
 /// against   files, folders and @lists, as ingest takes them; at least one
 /// database  its name, for sentences
-/// fails     as Raster; invalid_argument: another number of samples, or samples in other places
+/// fails     as Raster; invalid_argument: another number of samples, samples in other places, or another CRS
 [[nodiscard]] SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
                                       const std::string& database);
+
+/// That reader, which fails with invalid_argument where a height the database keeps is another one in the raster. Opens the
+/// database for each window, and closes it again.
+[[nodiscard]] SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>& against,
+                                           const std::string& database);
 
 /// "alps.tif", "north.tif and 3 more".
 [[nodiscard]] std::string name_of(const std::vector<std::string>& against);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,15 +23,16 @@ struct Request {
 
 struct Checked {
   VerifyReport report;
-  bool keeps_bound = true;
+  Description description;
+  [[nodiscard]] bool keeps_bound() const { return description.error_kind != ErrorKind::midpoint; }
 };
 
 Checked check(const Request& request, std::optional<Metres> tolerance) {
   const Snapshot now = Database::open(request.database).snapshot();
-  const bool keeps_bound = now.description().error_kind != ErrorKind::midpoint;
-  if (request.against.empty()) return {verify(now), keeps_bound};
-  const SampleReader truth = open_truth(request.against, now.description(), request.database);
-  return {tolerance ? verify(now, truth, *tolerance) : verify(now, truth), keeps_bound};
+  const Description& d = now.description();
+  if (request.against.empty()) return {verify(now), d};
+  const SampleReader truth = open_truth(request.against, d, request.database);
+  return {tolerance ? verify(now, truth, *tolerance) : verify(now, truth), d};
 }
 
 // The surface is double arithmetic on heights: a nanometre, and a part in 10¹², is rounding.
@@ -39,10 +41,12 @@ bool is_within(Metres error, Metres tolerance, double part) { return error.value
 bool is_sound(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
   if (report.finding_count > 0 || report.uncovered_samples > 0) return false;
-  if (!tolerance || !report.true_error || !checked.keeps_bound) return true;
+  if (!tolerance || !report.true_error || !checked.keeps_bound()) return true;
+  const Description& d = checked.description;
+  const Metres promised{std::max({tolerance->value, d.lossy_metres, d.finest_tolerance})};
   // Cells of degrees are measured in two ways here and there: a millionth.
-  return report.perpendicular_error ? is_within(*report.perpendicular_error, *tolerance, 1e-6)
-                                    : is_within(*report.true_error, *tolerance, 1e-12);
+  return report.perpendicular_error ? is_within(*report.perpendicular_error, promised, 1e-6)
+                                    : is_within(*report.true_error, promised, 1e-12);
 }
 
 Json to_json(const Checked& checked, std::optional<Metres> tolerance) {
@@ -54,7 +58,7 @@ Json to_json(const Checked& checked, std::optional<Metres> tolerance) {
   if (report.true_error) {
     json["true_error"] = report.true_error->value;
     if (report.perpendicular_error) json["perpendicular_error"] = report.perpendicular_error->value;
-    json["keeps_bound"] = checked.keeps_bound;
+    json["keeps_bound"] = checked.keeps_bound();
     if (tolerance) json["tolerance"] = tolerance->value;
     json["vertices"] = report.vertices;
     json["triangles"] = report.triangles;
@@ -84,10 +88,11 @@ Table to_table(const Request& request, const Checked& made, std::optional<Metres
   if (report.true_error) {
     table.add("mesh", fmt::format("{} vertices, {} triangles", counted(report.vertices), counted(report.triangles)));
     table.add("tolerance", tolerance ? metres(tolerance->value) : "the finest of the database");
+    if (const std::string why = tolerance ? why_coarser(made.description, *tolerance) : ""; !why.empty()) table.add("", why);
     table.add("true error", fmt::format("{}, over all valid samples under the mesh", metres(report.true_error->value)));
     if (report.perpendicular_error)
       table.add("", fmt::format("{} at right angles to triangles, which is what the tolerance is about", metres(report.perpendicular_error->value)));
-    if (!made.keeps_bound && tolerance) table.add("bound", beyond(report, *tolerance));
+    if (!made.keeps_bound() && tolerance) table.add("bound", beyond(report, *tolerance));
     table.add("covered", fmt::format("{} samples", counted(report.covered_samples)));
     if (report.uncovered_samples > 0) {
       table.add("uncovered",
@@ -102,7 +107,7 @@ Table to_table(const Request& request, const Checked& made, std::optional<Metres
   if (report.finding_count > report.findings.size()) {
     table.add("", fmt::format("and {} more", counted(report.finding_count - report.findings.size())));
   }
-  table.add("verdict", is_sound(made, tolerance) ? (made.keeps_bound ? "sound" : "sound, without any bound") : "NOT SOUND");
+  table.add("verdict", is_sound(made, tolerance) ? (made.keeps_bound() ? "sound" : "sound, without any bound") : "NOT SOUND");
   return table;
 }
 
@@ -138,8 +143,9 @@ void add_verify(CLI::App& program, Action& action) {
   command->footer(
       "\n"
       "Check a database: every page's checksum and content, page tables against pages, errors never below\n"
-      "their children's. With --against also every stored sample against the raster, bit for bit; with\n"
-      "--tolerance also the true error, in metres, of that answer: its mesh laid over every sample.\n"
+      "their children's. With --against also every stored sample against the raster, bit for bit, or within what\n"
+      "--height-step of ingest rounded; with --tolerance also the true error, in metres, of that answer: its mesh laid\n"
+      "over every sample.\n"
       "\n"
       "Exit code 3 if anything is wrong.\n"
       "\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");

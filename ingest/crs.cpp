@@ -10,6 +10,7 @@
 
 #include "ingest/gdal_scope.hpp"
 #include "talus/failure.hpp"
+#include "talus/ingest.hpp"
 
 namespace talus {
 

@@ -16,9 +16,6 @@ namespace talus {
 /// fails  unsupported
 [[nodiscard]] OGRSpatialReference crs_from(const std::string& wkt);
 
-/// They place the same numbers at the same places, heights included. Two empty ones do.
-[[nodiscard]] bool same_crs(const std::string& wkt, const std::string& other);
-
 /// Without its heights.
 [[nodiscard]] OGRSpatialReference horizontal(const OGRSpatialReference& crs);
 

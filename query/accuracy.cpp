@@ -31,6 +31,7 @@ constexpr double kHardlyGained = 0.01, kMost = 0.8;  // of them: nor has a step 
 constexpr double kHardlyMore = 1.1;                  // than the border needs: nor have coarser ones
 constexpr std::size_t kMostSteps = 18;
 constexpr int kTries = 4;                           // for a budget
+constexpr double kNearlyTheSame = 1.25;             // times of neighbouring steps
 constexpr int kColdRounds = 3;                      // of several windows one: the median is over them
 constexpr int kLeastRounds = 5, kMostRounds = 101;  // of warm answers
 constexpr double kRoundsSeconds = 2;                // enough, after the least
@@ -316,6 +317,10 @@ class Study {
     for (const std::vector<double>& seconds : rounds) windows.push_back(median(seconds));
     point.typical_window = median_place(windows);
     point.warm_seconds = windows[point.typical_window];
+    std::vector<double> rising = rounds[point.typical_window];
+    std::sort(rising.begin(), rising.end());
+    point.warm_low_seconds = rising[rising.size() / 4];
+    point.warm_high_seconds = rising[rising.size() - 1 - rising.size() / 4];
   }
 
   /// Rounds over some points, so many that times are steady.
@@ -336,9 +341,10 @@ class Study {
     for (std::size_t i = 0; i < points.size(); ++i) settle_warm(*points[i], rounds[i]);
   }
 
-  AccuracyPoint measure_alone(Metres tolerance) {
+  /// In rounds with its neighbours, as they were: alone, an answer finds the processor's caches as it left them.
+  AccuracyPoint measure_between(AccuracyPoint coarse, Metres tolerance, AccuracyPoint fine) {
     AccuracyPoint point = measure(tolerance, 0);
-    AccuracyPoint* const points[] = {&point};
+    AccuracyPoint* const points[] = {&coarse, &point, &fine};
     measure_warm(points, 0);
     return point;
   }
@@ -356,18 +362,18 @@ class Study {
     return seconds;
   }
 
-  /// What the tolerance amid the measured ones takes, as a round number.
-  [[nodiscard]] double usual_budget() const {
-    const std::size_t last = report.points.size() - 1;
-    const double amid = seconds_for(last / 2), round = round_number(round_step_below(amid) + 1);
-    return round < seconds_for(last) ? round : two_digits(amid);
-  }
-
-  /// Between the two points that bracket the budget a straight line in logarithms says where to ask first.
+  /// Between the two points that bracket the budget a straight line in logarithms says where to ask first. Where those take
+  /// nearly the same time, what lies between them is the machine's wavering, and the coarser one it is.
   void advise() {
     AccuracyAdvice& advice = report.advice;
-    advice.budget_seconds = options_.budget_seconds.value_or(usual_budget());
     std::vector<AccuracyPoint>& points = report.points;
+    if (!options_.budget_seconds) {
+      advice.point = (points.size() - 1) / 2;
+      advice.is_finest = points.size() == 1;
+      advice.budget_seconds = two_digits(points[*advice.point].warm_seconds);
+      return;
+    }
+    advice.budget_seconds = *options_.budget_seconds;
     std::size_t over = 0;
     while (over < points.size() && seconds_for(over) <= advice.budget_seconds) ++over;
     if (over == 0) return;
@@ -378,13 +384,14 @@ class Study {
     const AccuracyPoint coarse = points[over - 1], fine = points[over];
     if (!(fine.tolerance.value > 0)) return;
     const double least = seconds_for(over - 1), most = seconds_for(over);
+    if (most < kNearlyTheSame * least) return;
     const double share = std::log(advice.budget_seconds / least) / std::log(most / least);
     double tolerance =
         coarse.tolerance.value * std::pow(fine.tolerance.value / coarse.tolerance.value, std::clamp(share, 0.0, 1.0));
     for (int i = 0; i < kTries; ++i) {
       tolerance = std::max(two_digits(tolerance), fine.tolerance.value);
       if (tolerance >= coarse.tolerance.value || tolerance == fine.tolerance.value) return;
-      const AccuracyPoint tried = measure_alone(Metres{tolerance});
+      const AccuracyPoint tried = measure_between(coarse, Metres{tolerance}, fine);
       if (tried.warm_seconds <= advice.budget_seconds) {
         points.insert(points.begin() + static_cast<std::ptrdiff_t>(over), tried);
         advice.point = over;

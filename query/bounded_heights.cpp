@@ -25,7 +25,7 @@ std::optional<double> steps_in(const Description& d, Metres quantum) {
   return whole;
 }
 
-void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
+void require_quantum(const Description& d, Metres quantum) {
   if (!d.has_vertical_bound()) {
     refuse(fmt::format("rounded heights need errors that bound distances along the vertical, this database has {} {} ones: ask "
                        "for exact heights", name_of(d.error_metric), name_of(d.error_kind)));
@@ -39,9 +39,17 @@ void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
     refuse(fmt::format("quantum {} m: heights reach {} m, which is more than {} multiples of it: expected a larger one",
                        quantum.value, largest_m, kMostQuanta));
   }
-  if (rounding_of(d, quantum) > tolerance.value) {
-    refuse(fmt::format("multiples of {} m can lie {} m from a height, more than the tolerance of {} m: expected a smaller quantum",
-                       quantum.value, rounding_of(d, quantum), tolerance.value));
+}
+
+/// Nor may it cost more than is left of the tolerance.
+void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
+  require_quantum(d, quantum);
+  const double off = rounding_of(d, quantum);
+  if (off > tolerance.value - d.lossy_metres) {
+    const std::string before =
+        d.lossy_metres > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy_metres) : "";
+    refuse(fmt::format("multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m; expected a smaller "
+                       "quantum or a larger tolerance", quantum.value, off, before, tolerance.value));
   }
 }
 
@@ -53,6 +61,14 @@ void round_heights(RestrictedQuadtree& q, const Description& d, Metres quantum) 
   q.bound = Metres{q.bound.value + off};
   for (double& error : q.level_errors) error = error > 0 ? error + off : 0;
   q.origin.quantum = quantum;
+}
+
+Answer rounded_range(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
+  const Description& d = now.description();
+  Answer answer = now.range(region, Metres{tolerance.value - rounding_of(d, quantum)});
+  answer.quadtree.tolerance = tolerance;
+  round_heights(answer.quadtree, d, quantum);
+  return answer;
 }
 
 /// What is said of an answer whose corners may lie off the source's heights by `off` metres.
@@ -92,12 +108,8 @@ Metres dense_quantum(const Description& d, Metres tolerance) {
 }
 
 Answer quantised_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
-  const Description& d = now.description();
-  require_quantum(d, tolerance, quantum);
-  Answer answer = now.range(region, Metres{tolerance.value - rounding_of(d, quantum)});
-  answer.quadtree.tolerance = tolerance;
-  round_heights(answer.quadtree, d, quantum);
-  return answer;
+  require_quantum(now.description(), tolerance, quantum);
+  return rounded_range(now, region, tolerance, quantum);
 }
 
 Increment quantised_increment(const Snapshot& now, GridRect region, Metres from, Metres to, Metres quantum) {
@@ -115,17 +127,19 @@ Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance) {
   if (tolerance.value == 0 || !std::isfinite(tolerance.value))
     refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", tolerance.value));
   const Metres quantum = dense_quantum(now.description(), tolerance);
-  return quantum.value > 0 ? quantised_answer(now, region, tolerance, quantum) : now.range(region, tolerance);
+  if (!(quantum.value > 0)) return now.range(region, tolerance);
+  require_quantum(now.description(), quantum);
+  return rounded_range(now, region, tolerance, quantum);
 }
 
 Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
   const Description& d = now.description();
   if (quantum.value == 0) quantum = quantum_for(d, tolerance);
   require_some_tolerance(d, tolerance, "bounded");
-  require_quantum(d, Metres{tolerance.value - d.lossy_metres}, quantum);
+  require_quantum(d, tolerance, quantum);
   Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::rounded);
   RestrictedQuadtree& q = answer.quadtree;
-  if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return quantised_answer(now, region, tolerance, quantum);
+  if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return rounded_range(now, region, tolerance, quantum);
   finish(q, tolerance, quantum, rounding_of(d, quantum));
   return answer;
 }
@@ -135,7 +149,7 @@ Answer fitted_answer(const Snapshot& now, GridRect region, Metres tolerance, Met
   require_some_tolerance(d, tolerance, "fitted");
   // A finer quantum needs fewer vertices and more bits for each: see docs/accuracy.md.
   if (quantum.value == 0) quantum = Metres{(tolerance.value - d.lossy_metres) / 2};
-  require_quantum(d, Metres{tolerance.value - d.lossy_metres}, quantum);
+  require_quantum(d, tolerance, quantum);
   Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::fitted);
   RestrictedQuadtree& q = answer.quadtree;
   if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return bounded_answer(now, region, tolerance, quantum);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -20,7 +21,16 @@
 namespace talus {
 
 namespace {
-constexpr double kOnLine = 1e-6;  ///< a coordinate within so much of a cell of a grid line is on it
+
+/// In cells from grid line 0. Beside a line, within 10⁻⁶ of a cell or as near as doubles tell places so far out apart, it is on
+/// the line.
+double line_at(double coordinate, double line_0, double cell) {
+  constexpr double kOnLine = 1e-6, kApart = 4 * std::numeric_limits<double>::epsilon();
+  const double at = (coordinate - line_0) / cell, line = std::round(at);
+  const double rounding = kApart * std::max(std::abs(coordinate), std::abs(line_0)) / std::abs(cell);
+  return std::abs(at - line) <= std::max(kOnLine, rounding) ? line : at;
+}
+
 }  // namespace
 
 struct Database::Opened {
@@ -81,9 +91,8 @@ GridRect Snapshot::region(const Rectangle& r) const {
   }
   // Outward to grid lines.
   const GridMapping& m = d.mapping;
-  const double west = std::floor((r.xmin - m.x0) / m.dx + kOnLine), east = std::ceil((r.xmax - m.x0) / m.dx - kOnLine);
-  const double north = std::floor((r.ymax - m.y0) / m.dy + kOnLine),
-               south = std::ceil((r.ymin - m.y0) / m.dy - kOnLine);
+  const double west = std::floor(line_at(r.xmin, m.x0, m.dx)), east = std::ceil(line_at(r.xmax, m.x0, m.dx));
+  const double north = std::floor(line_at(r.ymax, m.y0, m.dy)), south = std::ceil(line_at(r.ymin, m.y0, m.dy));
   const GridRect& e = d.extent;
   const double first_col = std::max<double>(west, e.first.col), last_col = std::min<double>(east, e.last.col);
   const double first_row = std::max<double>(north, e.first.row), last_row = std::min<double>(south, e.last.row);
@@ -106,9 +115,8 @@ Frame Snapshot::frame(const Rectangle& r) const {
   static_cast<void>(region(r));
   const GridMapping& m = description().mapping;
   const GridRect& e = description().extent;
-  const auto on_line = [](double v) { return std::abs(v - std::round(v)) <= kOnLine ? std::round(v) : v; };
-  const auto col = [&](double x) { return std::clamp<double>(on_line((x - m.x0) / m.dx), e.first.col, e.last.col); };
-  const auto row = [&](double y) { return std::clamp<double>(on_line((y - m.y0) / m.dy), e.first.row, e.last.row); };
+  const auto col = [&](double x) { return std::clamp<double>(line_at(x, m.x0, m.dx), e.first.col, e.last.col); };
+  const auto row = [&](double y) { return std::clamp<double>(line_at(y, m.y0, m.dy), e.first.row, e.last.row); };
   return {col(r.xmin), row(r.ymax), col(r.xmax), row(r.ymin)};
 }
 

@@ -170,16 +170,22 @@ class Verification {
     }
   }
 
+  /// Bit for bit, or within what ingest has rounded by.
+  [[nodiscard]] bool is_stored_as(double stored, double source) const {
+    const Description& d = pages_.manifest().description;
+    if (std::bit_cast<std::uint64_t>(stored) == std::bit_cast<std::uint64_t>(source)) return true;
+    // Of a multiple of the step, which decimals are not quite.
+    const double arithmetic = 4 * std::numeric_limits<double>::epsilon() * std::abs(source);
+    return d.lossy_metres > 0 && std::abs(stored - source) <= d.lossy_metres / d.metres_per_unit + arithmetic;
+  }
+
   void compare(const StoredSamples& samples, const SampleWindow& expected) {
     const SampleWindow& stored = samples.window;
     for (std::size_t i = 0; i < expected.values.size(); ++i) {
       ++report.samples;
       const bool data = expected.valid[i] != 0;
       const bool dropped = !samples.dropped.empty() && samples.dropped[i] != 0;
-      if (data == (stored.valid[i] != 0) && (!data || dropped || std::bit_cast<std::uint64_t>(stored.values[i]) ==
-                                                          std::bit_cast<std::uint64_t>(expected.values[i]))) {
-        continue;
-      }
+      if (data == (stored.valid[i] != 0) && (!data || dropped || is_stored_as(stored.values[i], expected.values[i]))) continue;
       const auto cols = static_cast<std::size_t>(stored.region.cols());
       const auto text = [](bool valid, double v) { return valid ? fmt::format("{}", v) : std::string("void"); };
       find(fmt::format("sample at column {}, row {}: {} is stored, the source has {}",

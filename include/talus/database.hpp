@@ -289,8 +289,9 @@ using SampleReader = std::function<SampleWindow(GridRect)>;
 /// Structure: every page's checksum and content, page tables against pages, errors never below their
 /// children's. Memory: a few rows of pages.
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot);
-/// That, and every stored sample against the truth, bit for bit. Of a database with a finest tolerance those it kept,
-/// and the whole answer at that tolerance, as below.
+/// That, and every stored sample against the truth, which is the source as it was before ingest rounded anything: bit for bit,
+/// or within Description::lossy_metres. Of a database with a finest tolerance those it kept, and the whole answer at that
+/// tolerance, as below.
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth);
 /// That, and the true error of the whole answer at a tolerance: its mesh held against every sample.
 /// Memory: the mesh and a strip of samples.

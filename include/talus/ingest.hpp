@@ -136,4 +136,7 @@ class Raster {
   std::unique_ptr<Opened> opened_;
 };
 
+/// Two CRS, as in Description::crs_wkt, that place the same numbers at the same places, heights included. Two empty ones do.
+[[nodiscard]] bool same_crs(const std::string& wkt, const std::string& other);
+
 }  // namespace talus

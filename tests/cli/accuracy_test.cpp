@@ -42,7 +42,7 @@ class Accuracy : public Command {
     auto with = question;
     with.insert(with.end(), {"--json"});
     const auto json = json_of(talus(with));
-    EXPECT_EQ(json["is_whole"], is_whole);
+    EXPECT_EQ(json["is_whole_region"], is_whole);
     const auto& advice = json["recommendation"];
     ASSERT_TRUE(advice.contains("tolerance")) << advice;
     for (const auto& window : json["windows"]) {
@@ -70,7 +70,7 @@ TEST_F(Accuracy, PrintsATableAndARecommendation) {
   EXPECT_EQ(outcome.exit_code, done) << outcome.err;
   for (const char* word :
        {"question", "truth", "warm", "cold", "tolerance", "largest", "95 %", "RMS", "vertices", "triangles", "stream",
-        "\n50 m ", "\n5 m ", "\n0.5 m ", "you pay", "talus query a.talus --tolerance"}) {
+        "middle half", "\n50 m ", "\n5 m ", "\n0.5 m ", "you can have 5 m", "talus query a.talus --tolerance"}) {
     EXPECT_THAT(outcome.out, ::testing::HasSubstr(word));
   }
   EXPECT_EQ(outcome.err, "");
@@ -169,11 +169,30 @@ TEST_F(Accuracy, ADatabaseOfATolerancesVerticesNeedsTheRasterForErrors) {
   for (const auto& point : json["points"]) EXPECT_LE(point["largest_error"], point["bound"]);
 }
 
+TEST_F(Accuracy, ErrorsOfRoundedHeightsAreAgainstTheSource) {
+  ASSERT_EQ(talus({"ingest", "a.tif", "b.talus", "--height-step", "8"}).exit_code, done);
+  const auto own = json_of(talus({"accuracy", "b.talus", "--tolerances", "4", "--json"}));
+  EXPECT_EQ(own["points"][0]["largest_error"], 0);
+  EXPECT_THAT(own["notes"].dump(), ::testing::HasSubstr("against the rounded ones"));
+  const auto source = json_of(talus({"accuracy", "b.talus", "--tolerances", "4", "--against", "a.tif", "--json"}));
+  EXPECT_EQ(source["points"][0]["largest_error"], 4);
+  EXPECT_THAT(source["notes"].dump(), ::testing::HasSubstr("rounded heights by up to 4 m"));
+}
+
 TEST_F(Accuracy, BadInputIsRefusedAndNothingIsLeft) {
   RasterOptions elsewhere;
   elsewhere.crs = "EPSG:32632";
   elsewhere.geotransform = {450030, 30, 0, 5200000, 0, -30};
   make_raster("elsewhere.tif", elsewhere);
+  RasterOptions another_crs = elsewhere;
+  another_crs.crs = "EPSG:32633";
+  another_crs.geotransform = {450000, 30, 0, 5200000, 0, -30};
+  make_raster("another_crs.tif", another_crs);
+  another_crs.crs = "";
+  make_raster("no_crs.tif", another_crs);
+  another_crs.crs = "EPSG:32632";
+  raster.at(100, 75) += 100;
+  make_raster("other_heights.tif", another_crs);
   raster = fit(fractal(90, 70, 4, 600), SampleType::int16);
   make_raster("smaller.tif");
   write_bytes(folder / "notes.txt", "no database\n");
@@ -193,6 +212,9 @@ TEST_F(Accuracy, BadInputIsRefusedAndNothingIsLeft) {
   refused({"a.talus", "--bbox=450615,5199085,450870,5199370"}, usage, "no three neighbouring samples");
   refused({"a.talus", "--against", "elsewhere.tif"}, usage, "elsewhere.tif");
   refused({"a.talus", "--against", "smaller.tif"}, usage, "smaller.tif");
+  refused({"a.talus", "--against", "another_crs.tif"}, usage, "another CRS");
+  refused({"a.talus", "--against", "no_crs.tif"}, usage, "another CRS");
+  refused({"a.talus", "--against", "other_heights.tif"}, usage, "column 100, row 75");
   refused({"a.talus", "--against", "none.tif"}, failed, "none.tif");
   for (const char* bad : {"", ",", "1,", "1,,2", "-1", "nan", "inf", "1,nan", "1;2", "two"})
     refused({"a.talus", "--tolerances", bad}, usage, "--tolerances");

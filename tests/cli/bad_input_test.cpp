@@ -368,6 +368,11 @@ TEST_F(BadQuery, AgainstARasterThatIsAnother) {
   EXPECT_TRUE(smaller.exit_code == usage || smaller.exit_code == damaged) << smaller.exit_code;
   EXPECT_THAT(smaller.out + smaller.err, ::testing::HasSubstr("smaller.tif"));
   expect_refused({"verify", "a.talus", "--against", "missing.tif"}, {failed}, {"missing.tif"});
+  raster = fit(fractal(90, 70, 4, 600), SampleType::int16);
+  RasterOptions another_crs;
+  another_crs.crs = "EPSG:32633";
+  make_raster("another_crs.tif", another_crs);
+  expect_refused({"verify", "a.talus", "--against", "another_crs.tif"}, {usage}, {"another_crs.tif", "another CRS"});
 }
 
 }  // namespace

@@ -257,6 +257,32 @@ TEST_F(Inputs, AHeightStepRoundsAndHalfOfItIsPartOfEveryBound) {
   for (const char* tolerance : {"0", "1", "2.5", "20"}) EXPECT_GE(bound_at("a.talus", tolerance), 2.5) << tolerance;
   EXPECT_LE(bound_at("a.talus", "20"), 20 + 1e-6);
   EXPECT_EQ(json_of(talus({"info", "a.talus", "--json"})).at("lossy_metres"), 2.5);
+  // verify holds the mesh against the source itself.
+  double largest = 0;
+  for (std::size_t i = 0; i < found.values.size(); ++i) largest = std::max(largest, std::abs(found.values[i] - raster.values[i]));
+  const auto verified = [&](const char* tolerance) {
+    const Outcome outcome = talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", tolerance, "--json"});
+    EXPECT_EQ(outcome.exit_code, done) << outcome.out;
+    return json_of(outcome).at("true_error").get<double>();
+  };
+  EXPECT_EQ(verified("1"), largest) << "the finest there is";
+  EXPECT_GT(verified("20"), 17.5) << "not what is left of the tolerance";
+  EXPECT_LE(verified("20"), 20);
+  const Outcome finest = talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", "1"});
+  EXPECT_NE(finest.out.find("ingest rounded heights by up to 2.5 m"), std::string::npos) << finest.out;
+  // One height that is farther from the source's than rounding takes it.
+  raster.at(40, 30) += 6;
+  put_part("b.tif", 0, 0, 90, 70);
+  const Outcome other = talus({"verify", "a.talus", "--against", "b.tif"});
+  EXPECT_EQ(other.exit_code, damaged);
+  EXPECT_NE(other.out.find("column 40, row 30"), std::string::npos) << other.out;
+  raster.at(40, 30) -= 6;
+  // What ingest has spent is not there for a quantum, neither of heights that are split nor of nested ones.
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--quantum", "1"}}) {
+    std::vector<std::string> words{"query", "a.talus", "--tolerance", "2", "--heights", "bounded"};
+    words.insert(words.end(), more.begin(), more.end());
+    expect_refused(words, usage, {"rounded heights by up to 2.5 m"});
+  }
   for (const char* step : {"0", "-1", "nan", "much"})
     expect_refused({"ingest", "a.tif", "b.talus", std::string("--height-step=") + step}, usage, {"--height-step"});
 }

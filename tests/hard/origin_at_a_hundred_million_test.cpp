@@ -36,9 +36,13 @@ TEST(OriginAtAHundredMillion, FindsSamplesByTheirCoordinates) {
   const GridMapping m = database.now().description().mapping;
   for (const int col : {1, 64, 1000, 1024, 1090}) {
     const GridRect found = database.now().region({m.x(col), m.y(90), m.x(col + 8), m.y(70)});
-    EXPECT_TRUE(found.contains({col, 70}) && found.contains({col + 8, 90})) << "outward";
-    EXPECT_TRUE(found.first.col >= col - 1 && found.last.col <= col + 9) << "by no more than one sample";
+    EXPECT_EQ(found, (GridRect{{col, 70}, {col + 8, 90}}));
+    const Frame frame = database.now().frame({m.x(col), m.y(90), m.x(col + 8), m.y(70)});
+    EXPECT_EQ(frame.west, col) << "what is clipped on a sample leaves no slivers of rounding beside it";
+    EXPECT_EQ(frame.south, 90);
   }
+  // Between samples it goes outward still.
+  EXPECT_EQ(database.now().region({m.x(10.5), m.y(90.5), m.x(20.5), m.y(70.5)}), (GridRect{{10, 70}, {21, 91}}));
 }
 
 }  // namespace

@@ -232,6 +232,28 @@ TEST_F(Accuracy, TheAdviceIsAPointThatWasMeasuredWithinTheBudget) {
   }
 }
 
+TEST_F(Accuracy, WithoutABudgetTheAdviceIsTheToleranceAmidTheOthersWhateverTimeItTook) {
+  make(fit(fractal(150, 90, 3, 700), SampleType::int16));
+  const AccuracyReport report = measure_accuracy(file), again = measure_accuracy(file);
+  ASSERT_TRUE(report.advice.point);
+  EXPECT_EQ(report.advice.point, again.advice.point);
+  EXPECT_EQ(*report.advice.point, (report.points.size() - 1) / 2);
+  EXPECT_EQ(report.points.size(), again.points.size()) << "nothing was tried in between";
+  const AccuracyPoint& advised = report.points[*report.advice.point];
+  EXPECT_GE(report.advice.budget_seconds, advised.warm_seconds);
+  EXPECT_LE(report.advice.budget_seconds, 1.1 * advised.warm_seconds);
+  EXPECT_FALSE(report.advice.is_finest);
+}
+
+TEST_F(Accuracy, MediansLieWithinTheMiddleHalf) {
+  make(fit(fractal(150, 90, 3, 700), SampleType::int16));
+  for (const AccuracyPoint& point : measure_accuracy(file).points) {
+    EXPECT_GT(point.warm_low_seconds, 0);
+    EXPECT_LE(point.warm_low_seconds, point.warm_seconds);
+    EXPECT_LE(point.warm_seconds, point.warm_high_seconds);
+  }
+}
+
 TEST_F(Accuracy, AMapHasTheFarthestSampleOfEachCellWithItsSign) {
   make(hole(fit(fractal(1000, 60, 3, 700), SampleType::int16), 30, 30, 35, 36));
   AccuracyOptions options;
