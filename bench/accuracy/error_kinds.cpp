@@ -8,7 +8,8 @@
 //
 //   exact          the largest vertical distance of any sample in the triangles: what Talus stores
 //   perpendicular  the same, at a right angle to the triangle; the paper's metric [P98 §5, Eq. 1]
-//   nested         the vertex's distance from the middle of its ends, and its children's largest on top: a bound, unmeasured
+//   nested         the vertex's distance from the middle of its ends, and its children's largest on top: a bound, unmeasured.
+//                  On the ladder of stored errors, for there each level's rounding adds up, too
 //   midpoint       the vertex's distance alone: no bound
 //   exact16        exact on the ladder of stored errors, 16 bits
 //   exact8         exact on 255 steps of equal ratio from the smallest error above 0 to the largest, rounded up
@@ -69,7 +70,7 @@ class Window {
       for (const GridPoint child : children_in(p)) below = std::max(below, all[samples_.index(child)]);
       if (kind == "midpoint" || kind == "nested") {
         own = distance_from_middle(p);
-        all[samples_.index(p)] = kind == "nested" ? own + below : std::max(own, below);
+        all[samples_.index(p)] = kind == "nested" ? error_of(error_code(own + below)) : std::max(own, below);
         return;
       }
       for (const int side : {0, 1}) own = std::max(own, half_error(p, side, kind == "perpendicular"));

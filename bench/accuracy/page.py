@@ -1,16 +1,14 @@
 #!/usr/bin/python3
 """Measures what docs/accuracy.md says, and writes it there: tables between its marks, pictures beside it.
 
-    page.py BUILD [PART...]     BUILD: build/release; parts: ingest windows kinds paper bytes; without any: all
+    page.py BUILD [PART...]     BUILD: build/release; parts: see PARTS at the end; without any: all
 
 Between `<!-- measured: PART -->` and `<!-- end -->` everything is replaced; all other words are the author's. Real models are
 found through TALUS_DEM_DIR; those that are not there are left out, and so is martini where there is no Node or npm to bring it.
 """
 import json
-import os
 import re
 import statistics
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -18,137 +16,13 @@ from pathlib import Path
 import numpy
 from osgeo import gdal
 
+from measuring import KINDS, MARGIN, SIDE, Bench, Martini, models, run, share
 from pictures import picture
 
-sys.path.append(str(Path(__file__).parent.parent / "peers"))
-from peers import bring_martini  # noqa: E402  it stands there
-
-gdal.UseExceptions()
-SIDE = 512
-# Windows of 513² samples without voids: name, file, first column and row; None: the roughest there is.
-WINDOWS = [("S36E149, 90 m, hills", "srtm3_S36E149.tif", 88, 88),
-           ("Kenya, 38 m, one mountain", "kenya_central_z11.tif", 3712, 2944),
-           ("Taiwan, 19 m, mountains", "taiwan_z13/taiwan.vrt", 5000, 10000),
-           ("Swiss Alps, 90 m", "swiss_germany_3s/swiss_germany.vrt", None, None),
-           ("bigtujunga, 30 m, canyons", "bigtujunga_30m_utm11.tif", 64, 64),
-           ("gabilan, 1 m, lidar", "gabilan.bil", 128, 128)]
-KINDS = {"exact": ["--error", "exact"], "nested": ["--error", "nested"], "midpoint": ["--error", "midpoint", "--no-guarantee"],
-         "perpendicular": ["--metric", "perpendicular"]}
-TOLERANCES = [0.5, 1, 2, 5, 10, 20, 50]  # of answers that are timed
-FINE = [round(0.3 * 1.25**i, 3) for i in range(24)]  # to see which tolerance of one kind is worth that of another
 PAPER = [("Interlaken, 25 m, mountains", "dhm25/dhm25_interlaken_lv95.bt", 64, 64),
          ("bigtujunga, 30 m, mountains", "bigtujunga_30m_utm11.tif", 64, 64), ("S36E149, 90 m, hills", "srtm3_S36E149.tif", 512, 512)]
 PUBLISHED = [("Albis, 25 m, hills", [25921, 19773, 11636, 4664, 1789]),
              ("Matterhorn, 25 m, mountains", [25921, 22492, 17156, 10492, 6367])]
-
-
-def run(*words):
-    done = subprocess.run([str(w) for w in words], capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"page: {' '.join(map(str, words))}: {done.stderr.strip()}")
-    return done.stdout
-
-
-def models():
-    return Path(os.environ.get("TALUS_DEM_DIR", "../shared/dem"))
-
-
-def without_voids(file):
-    """Where the roughest window stands, at multiples of 64, in which all is data."""
-    dataset = gdal.Open(str(file))
-    band = dataset.GetRasterBand(1)
-    heights, void = band.ReadAsArray(), band.GetNoDataValue()
-    best = None
-    for row in range(0, heights.shape[0] - SIDE, 64):
-        for col in range(0, heights.shape[1] - SIDE, 64):
-            part = heights[row:row + SIDE + 1, col:col + SIDE + 1]
-            if void is not None and (part == void).any():
-                continue
-            if best is None or numpy.ptp(part) > best[0]:
-                best = (numpy.ptp(part), col, row)
-    return best[1:]
-
-
-class Bench:
-    """Programs, a folder for what they make, and the windows that are there, cut out as rasters of their own."""
-
-    def __init__(self, build):
-        self.talus, self.error_kinds = build / "app/talus", build / "bench/accuracy/error_kinds"
-        self.scratch = build / "kept/accuracy"
-        self.scratch.mkdir(parents=True, exist_ok=True)
-        peers = build / "kept/peers"
-        peers.mkdir(parents=True, exist_ok=True)
-        self.martini = bring_martini(peers.resolve())
-        self.windows = []
-        for name, file, col, row in WINDOWS:
-            if not (models() / file).exists():
-                print(f"{name} is left out: no {file}")
-                continue
-            if col is None:
-                col, row = without_voids(models() / file)
-            cut = self.scratch / (name.split(",")[0].replace(" ", "_") + ".tif")
-            if not cut.exists():
-                gdal.Translate(str(cut), str(models() / file), srcWin=[col, row, SIDE + 1, SIDE + 1])
-            self.windows.append((name, cut))
-
-    def database(self, cut, kind):
-        file = cut.with_name(f"{cut.stem}-{kind}.talus")
-        if not file.exists():
-            run(self.talus, "ingest", cut, file, "--progress", "none", *KINDS[kind])
-        return file
-
-    def counted(self, cut, tolerances, side=SIDE, col=0, row=0):
-        """By plain loops, of each kind: rows of tolerance, vertices, triangles, true_error."""
-        found = {}
-        for line in map(json.loads, run(self.error_kinds, cut, col, row, side, *tolerances).splitlines()):
-            found.setdefault(line["kind"], []).append(line)
-        return found
-
-    def measured(self, cut, kind):
-        """By `talus accuracy`: falling tolerance."""
-        words = [self.talus, "accuracy", self.database(cut, kind), "--against", cut, "--json", "--tolerances",
-                 ",".join(map(str, TOLERANCES)), "--time", "10ms"]
-        points = json.loads(run(*words))["points"]
-        return [p for p in points if p["tolerance"] in TOLERANCES]
-
-
-class Martini:
-    """Asked as bench/peers asks it: a line of numbers for a line."""
-
-    def __init__(self, bench, cut):
-        self.bench, self.cut = bench, cut
-        heights = gdal.Open(str(cut)).ReadAsArray().astype(numpy.float32)
-        heights.tofile(bench.scratch / "heights.f32")
-        self.node = subprocess.Popen(["node", "bench/peers/martini.cjs", str(bench.martini), str(bench.scratch / "heights.f32")],
-                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        for _ in range(10):  # until it is as fast as it gets
-            self.ask("mesh 1")
-
-    def ask(self, question):
-        print(question, file=self.node.stdin, flush=True)
-        return [float(word) for word in self.node.stdout.readline().split()]
-
-    def measured(self, tolerances):
-        """By the clock: errors and mesh. In rounds over all tolerances: a burst of another program spoils none of them."""
-        rounds = [[self.ask(f"mesh {t}") for t in tolerances] for _ in range(15)]
-        rows = []
-        for answers, tolerance in zip(zip(*rounds), tolerances):
-            mesh = self.bench.scratch / "martini.mesh"
-            self.ask(f"write {tolerance} {mesh}")
-            error = json.loads(run(self.bench.error_kinds, self.cut, 0, 0, SIDE, "--judge", mesh))["true_error"]
-            rows.append({"tolerance": tolerance, "vertices": answers[0][4], "largest_error": error,
-                         "warm_seconds": statistics.median(a[1] + a[3] for a in answers) / 1000})
-        return rows
-
-    def end(self):
-        self.node.stdin.close()
-        self.node.wait()
-
-
-def share(value, of):
-    return f"{100 * value / of - 100:+.0f} %"
-
-
 # ---- parts of the page -----------------------------------------------------------------------------------------
 
 
@@ -176,63 +50,91 @@ def ingest(bench, folder):
     return lines
 
 
+def row_of(cells):
+    return "| " + " | ".join(cells) + " |"
+
+
+def table(*columns):
+    return [row_of(columns), "|---" * len(columns) + "|"]
+
+
+def names_first(window):
+    """Each tolerance of the tables, and the window's name beside the first."""
+    return [(window.name if i == 0 else "", tolerance) for i, tolerance in enumerate(window.shown)]
+
+
+def models_(bench, folder):
+    """Where the windows lie, and what stands in them."""
+    lines = table("window", "file", "first column, row", "EPSG", "samples stored as", "heights in it", "half the neighbours differ by")
+    for window in bench.windows:
+        dataset = gdal.Open(str(window.cut))
+        band, crs = dataset.GetRasterBand(1), dataset.GetSpatialRef()
+        heights = band.ReadAsArray().astype(float)
+        step = "whole metres" if (heights == numpy.rint(heights)).all() else "metres"
+        lines.append(row_of([window.name, f"`{window.file}`", f"{window.col}, {window.row}", (crs and crs.GetAuthorityCode(None)) or "none",
+                             f"{gdal.GetDataTypeName(band.DataType)}, {step}", f"{heights.min():.5g} to {heights.max():.5g} m",
+                             f"{numpy.median(abs(numpy.diff(heights, axis=1))):.2g} m"]))
+    return lines
+
+
 def windows(bench, folder):
     """Error against vertices, time and bytes, of databases of each kind and of the peers."""
     over_vertices, over_time = [], []
-    lines = ["| window of 513² | asked | exact: vertices | time | bytes | nested: vertices | midpoint: vertices | true error | perpendicular: vertices | true error | martini: vertices | time | true error |",
-             "|---" * 13 + "|"]
-    for name, cut in bench.windows:
-        found = {kind: bench.measured(cut, kind) for kind in KINDS}
+    lines = table("window of 513²", "asked", "exact: vertices", "of samples", "95 % within", "time", "bytes", "nested: vertices",
+                  "midpoint: vertices", "true error", "perpendicular: vertices", "true error", "martini: vertices", "time", "true error")
+    for window in bench.windows:
+        found = {kind: bench.measured(window.cut, kind, window.timed) for kind in KINDS}
         if bench.martini:
-            martini = Martini(bench, cut)
-            found["martini"] = martini.measured(sorted(TOLERANCES, reverse=True))
+            martini = Martini(bench, window.cut)
+            found["martini"] = martini.measured(sorted(window.timed, reverse=True))
             martini.end()
         curve = lambda kind, cost: [(r[cost], r["largest_error"]) for r in found[kind] if r["largest_error"] > 0]
-        over_vertices.append((name, "vertices", "largest true error, m", {kind: curve(kind, "vertices") for kind in found}))
-        over_time.append((name, "ms", "largest true error, m",
+        over_vertices.append((window.name, "vertices", "largest true error, m", {kind: curve(kind, "vertices") for kind in found}))
+        over_time.append((window.name, "ms", "largest true error, m",
                           {kind: [(1000 * s, e) for s, e in curve(kind, "warm_seconds")] for kind in found}))
-        for tolerance in (1, 5, 20):
-            at = {kind: next(r for r in rows if r["tolerance"] == tolerance) for kind, rows in found.items()}
-            exact = at["exact"]
-            row = [name if tolerance == 1 else "", f"{tolerance} m", f"{exact['vertices']:,}", "1", f"{exact['bytes'] / 1000:,.1f} kB",
-                   share(at["nested"]["vertices"], exact["vertices"])]
+        at = {kind: {r["tolerance"]: r for r in rows} for kind, rows in found.items()}
+        finest = at["exact"][window.shown[0]]["warm_seconds"]
+        for name, tolerance in names_first(window):
+            exact = at["exact"][tolerance]
+            row = [name, f"{tolerance} m", f"{exact['vertices']:,}", f"{100 * exact['vertices'] / (SIDE + 1) ** 2:.2g} %",
+                   f"{exact['percentile_95_error']:.2g} m", f"{exact['warm_seconds'] / finest:.2f}", f"{exact['bytes'] / 1000:,.1f} kB",
+                   share(at["nested"][tolerance]["vertices"], exact["vertices"])]
             for kind in ("midpoint", "perpendicular"):
-                row += [share(at[kind]["vertices"], exact["vertices"]), f"{at[kind]['largest_error']:.3g} m"]
+                row += [share(at[kind][tolerance]["vertices"], exact["vertices"]), f"{at[kind][tolerance]['largest_error']:.3g} m"]
             if "martini" in at:
-                theirs = at["martini"]
+                theirs = at["martini"][tolerance]
                 row += [share(theirs["vertices"], exact["vertices"]), f"{theirs['warm_seconds'] / exact['warm_seconds']:.1f} x",
                         f"{theirs['largest_error']:.3g} m"]
             else:
                 row += ["", "", ""]
-            lines.append("| " + " | ".join(row) + " |")
-        print(f"{name}: answers", flush=True)
+            lines.append(row_of(row))
+        print(f"{window.name}: answers", flush=True)
     legend = [(kind, kind) for kind in KINDS] + [("martini", "martini, without reading the file")]
-    picture(folder / "vertices.svg", over_vertices, [*legend[:-1], ("martini", "martini")] if bench.martini else legend)
-    picture(folder / "time.svg", over_time, legend)
+    picture(folder / "vertices.svg", over_vertices, [*legend[:-1], ("martini", "martini")] if bench.martini else legend[:-1])
+    picture(folder / "time.svg", over_time, legend if bench.martini else legend[:-1])
     return lines
 
 
 def kinds(bench, folder):
     """What a kept error takes: the fewest vertices of each kind whose mesh really lies within it."""
-    lines = ["| window of 513² | really within | exact | nested | midpoint | asked at | perpendicular | asked at | exact, 8-bit codes | 16-bit codes |",
-             "|---" * 10 + "|"]
-    for name, cut in bench.windows:
-        found = bench.counted(cut, sorted({*FINE, 1, 5, 20}))
-        for tolerance in (1, 5, 20):
-            at = lambda kind: next(r for r in found[kind] if r["tolerance"] == tolerance)
-            exact = at("exact")["vertices"]
+    lines = table("window of 513²", "really within", "exact", "nested", "midpoint", "asked at", "perpendicular", "asked at",
+                  "exact, 8-bit codes", "16-bit codes")
+    for window in bench.windows:
+        found = bench.counted(window.cut, sorted({*window.fine, *window.shown}))
+        for name, tolerance in names_first(window):
+            at = lambda kind: next(r for r in found[kind] if r["tolerance"] == tolerance)["vertices"]
 
             def least(kind):
                 kept = [r for r in found[kind] if r["true_error"] <= tolerance]
                 if not kept:
-                    return f"not at {FINE[0]:g} m", ""
+                    return f"not at {window.fine[0]:g} m", ""
                 best = min(kept, key=lambda r: r["vertices"])
-                return share(best["vertices"], exact), f"{best['tolerance']:g} m"
+                return share(best["vertices"], at("exact")), f"{best['tolerance']:g} m"
 
-            lines.append("| " + " | ".join([name if tolerance == 1 else "", f"{tolerance} m", f"{exact:,}", share(at("nested")["vertices"], exact),
-                                           *least("midpoint"), *least("perpendicular"), share(at("exact8")["vertices"], exact),
-                                           f"{100 * at('exact16')['vertices'] / exact - 100:+.2f} %"]) + " |")
-        print(f"{name}: kinds", flush=True)
+            lines.append(row_of([name, f"{tolerance} m", f"{at('exact'):,}", share(at("nested"), at("exact")), *least("midpoint"),
+                                 *least("perpendicular"), share(at("exact8"), at("exact")),
+                                 f"{100 * at('exact16') / at('exact') - 100:+.2f} %"]))
+        print(f"{window.name}: kinds", flush=True)
     return lines
 
 
@@ -269,35 +171,106 @@ def overviews(cut, scratch):
 def bytes_(bench, folder):
     """Streams of each mode of heights beside LERC at the same bound, and overviews."""
     modes = {"exact": [], "bounded": [], "fitted": [], "finely fitted": ["--quantum"], "dense": []}
-    lines = ["| window of 513² | asked | " + "".join(f"{mode}: vertices | kB | " for mode in modes) + "LERC_ZSTD, kB |", "|---" * 13 + "|"]
+    lines = table("window of 513²", "asked", *(f"{mode}: {what}" for mode in modes for what in ("vertices", "kB")), "LERC_ZSTD, kB")
     panels = []
-    for name, cut in bench.windows:
-        database, stream = bench.database(cut, "exact"), bench.scratch / "answer.rqt"
+    for window in bench.windows:
         curves = {**{mode: [] for mode in modes}, "LERC": []}
-        for tolerance in (0.5, 1, 2, 5, 10, 20, 50):
-            row = [name if tolerance == 1 else "", f"{tolerance:g} m"]
+        names = {tolerance: name for name, tolerance in names_first(window)}
+        for tolerance in window.timed:
+            row = [names.get(tolerance, ""), f"{tolerance:g} m"]
             for mode, quantum in modes.items():
                 words = ["--heights", mode.split()[-1], *quantum, *([tolerance / 20] if quantum else [])]
-                made = json.loads(run(bench.talus, "query", database, "--tolerance", tolerance, *words, "-o", stream, "--json"))
-                curves[mode].append((stream.stat().st_size, tolerance))
+                made = bench.answer(bench.database(window.cut), "--tolerance", tolerance, *words)
+                curves[mode].append((made["bytes"], tolerance))
                 exact = made["vertices"] if mode == "exact" else exact
-                row += [f"{made['vertices']:,}" if mode == "exact" else share(made["vertices"], exact), f"{stream.stat().st_size / 1000:,.1f}"]
+                row += [f"{made['vertices']:,}" if mode == "exact" else share(made["vertices"], exact), f"{made['bytes'] / 1000:,.1f}"]
             lerc = bench.scratch / "lerc.tif"
-            gdal.Translate(str(lerc), str(cut), creationOptions=["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={tolerance}", "TILED=YES"])
+            gdal.Translate(str(lerc), str(window.cut), creationOptions=["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={tolerance}", "TILED=YES"])
             curves["LERC"].append((lerc.stat().st_size, tolerance))
-            if tolerance in (1, 5, 20):
-                lines.append("| " + " | ".join([*row, f"{lerc.stat().st_size / 1000:,.1f}"]) + " |")
+            if tolerance in names:
+                lines.append(row_of([*row, f"{lerc.stat().st_size / 1000:,.1f}"]))
         del curves["finely fitted"]  # for triangles, not for bytes
-        curves["overviews"] = overviews(cut, bench.scratch)
-        panels.append((name, "bytes", "largest error, m", curves))
-        print(f"{name}: bytes", flush=True)
+        curves["overviews"] = overviews(window.cut, bench.scratch)
+        panels.append((window.name, "bytes", "largest error, m", curves))
+        print(f"{window.name}: bytes", flush=True)
     picture(folder / "bytes.svg", panels,
             [("exact", "exact heights"), ("bounded", "bounded"), ("fitted", "fitted"), ("dense", "dense"), ("LERC", "LERC_ZSTD"),
              ("overviews", "GDAL overviews at 1/2 to 1/16, whose error nobody states")])
     return lines
 
 
-PARTS = {"ingest": ingest, "windows": windows, "kinds": kinds, "paper": paper, "bytes": bytes_}
+def profiles(bench, folder):
+    """Bytes of each profile, and what coding and reading them takes."""
+    lines = table("window of 513²", "asked", *(f"{heights}: {what}" for heights in ("exact", "bounded") for what in ("balanced", "fast", "small")))
+    for window in bench.windows:
+        for name, tolerance in names_first(window):
+            row = [name, f"{tolerance} m"]
+            for heights in ("exact", "bounded"):
+                ask = lambda profile: bench.answer(bench.database(window.cut), "--tolerance", tolerance, "--heights", heights, "--profile", profile)["bytes"]
+                balanced = ask("balanced")
+                row += [f"{balanced / 1000:,.1f} kB", share(ask("fast"), balanced), share(ask("small"), balanced)]
+            lines.append(row_of(row))
+    words = ["--benchmark_filter=BM_(Encode|Decode)/3/", "--benchmark_format=json", "--benchmark_repetitions=5", "--benchmark_report_aggregates_only=true"]
+    timed = json.loads(run(bench.build / "bench/bench_stream", *words))["benchmarks"]
+    seconds = {b["run_name"]: b["real_time"] for b in timed if b["aggregate_name"] == "median"}
+    for what, verb in (("Encode", "write"), ("Decode", "read")):
+        times = [[seconds[f"BM_{what}/3/{heights}/{profile}"] for profile in (1, 0, 2)] for heights in (0, 1)]
+        lines.append(row_of([f"time to {verb} all of bigtujunga", "5 m", *(f"{t / of[0]:.2f}" for of in times for t in of)]))
+    return lines
+
+
+def borders(bench, folder):
+    """A rectangle amid a larger raster: what its border takes, on the lattice and beside it."""
+    cells = SIDE - 32
+    lines = table("480 x 480 cells of", "asked", "on the lattice", "elsewhere: constrain", "for the border alone", "constrain, `--snap 16`", "cover", "clip")
+    for window in bench.windows:
+        database = bench.database(window.wide)
+        origin_x, dx, _, origin_y, _, dy = gdal.Open(str(window.wide)).GetGeoTransform()
+
+        def bbox(col, row):
+            xs, ys = [origin_x + (c + 0.5) * dx for c in (col, col + cells)], [origin_y + (r + 0.5) * dy for r in (row, row + cells)]
+            return f"--bbox={min(xs)!r},{min(ys)!r},{max(xs)!r},{max(ys)!r}"
+
+        for name, tolerance in names_first(window):
+            ask = lambda place, *words: json.loads(run(bench.talus, "query", database, "--tolerance", tolerance, place, *words, "--json"))
+            there, elsewhere = bbox(MARGIN, MARGIN), bbox(MARGIN + 5, MARGIN + 7)
+            constrained = ask(elsewhere)
+            meshes = [ask(elsewhere, *words) for words in (["--snap", 16], ["--border", "cover"], ["--border", "clip"])]
+            lines.append(row_of([name, f"{tolerance} m", f"{ask(there)['vertices']:,}", f"{constrained['vertices']:,}",
+                                 f"{constrained['border_vertices']:,}", *(f"{m['vertices']:,}" for m in meshes)]))
+    return lines
+
+
+# What somebody wants, the window that stands for what they have, and the words of a query.
+CHOICES = [("the look of mountains from a few kilometres", "bigtujunga, 30 m, canyons", ["--tolerance", 5, "--heights", "bounded"]),
+           ("the same on a web map, zoom 12", "bigtujunga, 30 m, canyons", ["--tolerance", 20, "--heights", "fitted"]),
+           ("a game's or a simulator's terrain, few triangles", "Taiwan, 19 m, mountains", ["--tolerance", 10, "--heights", "fitted"]),
+           ("a survey as exact as its lidar", "gabilan, 1 m, lidar", ["--tolerance", 0.1, "--heights", "bounded"]),
+           ("the same, to be refined later", "gabilan, 1 m, lidar", ["--tolerance", 0.1]),
+           ("a survey without a loss", "gabilan, 1 m, lidar", ["--tolerance", 0]),
+           ("slopes and runoff, as good as 90 m can tell", "S36E149, 90 m, hills", ["--tolerance", 1, "--heights", "dense"]),
+           ("an overview of a country, to go on from", "Swiss Alps, 90 m", ["--tolerance", 50])]
+
+
+def choices(bench, folder):
+    """What the page recommends, asked for."""
+    lines = table("wanted", "window", "`talus query` with", "vertices", "of samples", "as a stream", "of exact", "samples at most off")
+    for wanted, name, words in CHOICES:
+        window = next((w for w in bench.windows if w.name == name), None)
+        if window is None:
+            continue
+        made = bench.answer(bench.database(window.cut), *words)
+        exact = bench.answer(bench.database(window.cut), *words[:2])
+        mesh = bench.scratch / "choice.tif"
+        run(bench.talus, "query", bench.database(window.cut), *words, "-o", mesh)
+        off = abs(gdal.Open(str(mesh)).ReadAsArray().astype(float) - gdal.Open(str(window.cut)).ReadAsArray().astype(float)).max()
+        lines.append(row_of([wanted, name, f"`{' '.join(map(str, words))}`", f"{made['vertices']:,}", f"{100 * made['vertices'] / (SIDE + 1) ** 2:.2g} %",
+                             f"{made['bytes'] / 1000:,.1f} kB", share(made["bytes"], exact["bytes"]), f"{off:.3g} m"]))
+    return lines
+
+
+PARTS = {"choices": choices, "models": models_, "windows": windows, "kinds": kinds, "ingest": ingest, "paper": paper, "bytes": bytes_,
+         "profiles": profiles, "borders": borders}
 
 
 def main():
