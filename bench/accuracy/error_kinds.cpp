@@ -42,6 +42,9 @@
 namespace talus::bench {
 namespace {
 
+/// The least stored error that is not below.
+double on_ladder(double error) { return error_of(error_code(error)); }
+
 class Window {
  public:
   Window(const std::string& model, GridRect region) : region_(region), root_(root_side(region)) {
@@ -70,7 +73,7 @@ class Window {
       for (const GridPoint child : children_in(p)) below = std::max(below, all[samples_.index(child)]);
       if (kind == "midpoint" || kind == "nested") {
         own = distance_from_middle(p);
-        all[samples_.index(p)] = kind == "nested" ? error_of(error_code(own + below)) : std::max(own, below);
+        all[samples_.index(p)] = kind == "nested" ? on_ladder(on_ladder(own) + below) : std::max(own, below);
         return;
       }
       for (const int side : {0, 1}) own = std::max(own, half_error(p, side, kind == "perpendicular"));
@@ -175,7 +178,7 @@ std::vector<double> in_eight_bits(std::vector<double> errors) {
 }
 
 std::vector<double> in_sixteen_bits(std::vector<double> errors) {
-  for (double& e : errors) e = error_of(error_code(e));
+  for (double& e : errors) e = on_ladder(e);
   return errors;
 }
 

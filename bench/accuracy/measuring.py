@@ -16,7 +16,7 @@ gdal.UseExceptions()
 SIDE = 512
 MARGIN = 64  # samples around a window, where it is asked for amid others
 COARSE = ([0.5, 1, 2, 5, 10, 20, 50], [1, 5, 20], [round(0.3 * 1.25**i, 3) for i in range(24)])
-LIDAR = ([0.05, 0.1, 0.2, 0.5, 1, 2, 5, 20], [0.05, 0.1, 0.2, 0.5, 1, 5], [round(0.03 * 1.25**i, 3) for i in range(30)])
+LIDAR = ([0.05, 0.1, 0.2, 0.5, 1, 2, 5, 20], [0.05, 0.1, 0.2, 0.5, 1, 5], [round(0.015 * 1.25**i, 4) for i in range(32)])
 # Windows of 513² samples without voids: name, file, first column and row (None: the roughest there is), and tolerances: those
 # that are timed, those of the tables, and those to see which tolerance of one kind is worth that of another.
 WINDOWS = [("S36E149, 90 m, hills", "srtm3_S36E149.tif", 88, 88, COARSE),
