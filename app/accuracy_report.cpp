@@ -257,8 +257,9 @@ std::string recommendation(const AccuracyReport& report) {
     return fmt::format("{} buy nothing: {}, the coarsest that was asked for, takes {}.",
                        budget_text(advice.budget_seconds), exactly(coarsest.tolerance), timed(coarsest.warm_seconds));
   }
+  const bool is_ample = advice.is_finest && advice.budget_seconds > 1.1 * point->warm_seconds;
   std::string text =
-      advice.is_finest
+      is_ample
           ? fmt::format("{} are more than is needed: the finest that was asked for, {}, takes {}",
                         budget_text(advice.budget_seconds), exactly(point->tolerance), timed(point->warm_seconds))
           : fmt::format("For {} you can have {}", budget_text(advice.budget_seconds), exactly(point->tolerance));

@@ -56,7 +56,7 @@ void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
 /// The same vertices at rounded heights; what it costs is added to all that is said of errors.
 void round_heights(RestrictedQuadtree& q, const Description& d, Metres quantum) {
   const Rounding rounded(d, quantum);
-  const double off = rounding_of(d, quantum);
+  const double off = rounding_of(d, quantum) + (rounded.is_exact() ? 0 : kRoundingMargin);
   for (double& h : q.heights) h = rounded(h);
   q.bound = Metres{q.bound.value + off};
   for (double& error : q.level_errors) error = error > 0 ? error + off : 0;

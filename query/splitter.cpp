@@ -19,6 +19,11 @@ namespace talus {
 
 double Rounding::operator()(double height) const { return (std::nearbyint(height / unit_) + 0.0) * unit_; }
 
+bool Rounding::is_exact() const {
+  const double fraction = unit_ * (1 << 20);
+  return fraction == std::nearbyint(fraction);
+}
+
 namespace {
 
 /// Triangles that were held against the samples under them, one bit for each half of a diamond.
@@ -331,9 +336,8 @@ class Splitter {
     if (std::all_of(q.covers.begin(), q.covers.end(), [](std::uint8_t c) { return c == 15; })) q.covers.clear();
     const RestrictedQuadtree& f = finest_.quadtree;
     const double unit = description_.metres_per_unit;
-    const double fraction = rounded_.unit() * (1 << 20);  // whole: what is interpolated between multiples is exact
-    const bool rounds = !CodeDistance(description_.step, unit).is_binary() || !description_.step.integer ||
-                        fraction != std::nearbyint(fraction);
+    const bool rounds =
+        !CodeDistance(description_.step, unit).is_binary() || !description_.step.integer || !rounded_.is_exact();
     q.bound = Metres{farthest_ * unit + description_.lossy_metres + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
     q.origin = f.origin;
     q.origin.is_plain = false;

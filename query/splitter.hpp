@@ -11,6 +11,8 @@ class Rounding {
   Rounding(const Description& d, Metres quantum) : unit_(quantum.value / d.metres_per_unit) {}
   [[nodiscard]] double operator()(double height) const;
   [[nodiscard]] double unit() const { return unit_; }
+  /// Whether multiples, and what is interpolated between them, are doubles.
+  [[nodiscard]] bool is_exact() const;
 
  private:
   double unit_;

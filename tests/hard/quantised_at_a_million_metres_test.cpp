@@ -50,5 +50,23 @@ TEST(QuantisedAtAMillionMetres, KeepsThePromise) {
   }
 }
 
+/// Multiples of 0.05 are no doubles: those stored are off by as much as doubles are apart there, and the bound says so.
+TEST(QuantisedAtAMillionMetres, TheBoundCountsInThatMultiplesAreRounded) {
+  constexpr double kTwentieth = 0.05;
+  HardCase hard{.terrain = surface(60, 40, [](int col, int row) { return 999990 + ((col * 7 + row * 3) % 111 + 0.5) * kTwentieth; })};
+  hard.file.type = SampleType::float64;
+  const HardDatabase database(hard);
+  const RestrictedQuadtree answer =
+      database.now().quantised(database.extent(), Metres{kTwentieth / 2}, Metres{kTwentieth}).quadtree;
+  long double largest = 0;
+  std::size_t i = 0;
+  answer.vertices.for_each([&](GridPoint p) {
+    largest = std::max(largest, std::abs(static_cast<long double>(answer.heights[i++]) - hard.terrain.at(p.col, p.row)));
+  });
+  EXPECT_GT(largest, static_cast<long double>(kTwentieth) / 2) << "half a quantum is not all";
+  EXPECT_LE(largest, answer.bound.value);
+  EXPECT_LE(answer.bound.value, kTwentieth / 2 + 1e-8);
+}
+
 }  // namespace
 }  // namespace talus::support
