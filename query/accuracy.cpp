@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -362,8 +363,9 @@ class Study {
     return seconds;
   }
 
-  /// Between the two points that bracket the budget a straight line in logarithms says where to ask first. Where those take
-  /// nearly the same time, what lies between them is the machine's wavering, and the coarser one it is.
+  /// Between the two points that bracket the budget a straight line in logarithms says where to ask first, halves of what is
+  /// left where to ask then. Where the two take nearly the same time, what lies between them is the machine's wavering, and the
+  /// coarser one it is.
   void advise() {
     AccuracyAdvice& advice = report.advice;
     std::vector<AccuracyPoint>& points = report.points;
@@ -388,17 +390,20 @@ class Study {
     const double share = std::log(advice.budget_seconds / least) / std::log(most / least);
     double tolerance =
         coarse.tolerance.value * std::pow(fine.tolerance.value / coarse.tolerance.value, std::clamp(share, 0.0, 1.0));
+    double within = coarse.tolerance.value, over_it = fine.tolerance.value;
+    std::optional<AccuracyPoint> best;
     for (int i = 0; i < kTries; ++i) {
-      tolerance = std::max(two_digits(tolerance), fine.tolerance.value);
-      if (tolerance >= coarse.tolerance.value || tolerance == fine.tolerance.value) return;
-      const AccuracyPoint tried = measure_between(coarse, Metres{tolerance}, fine);
-      if (tried.warm_seconds <= advice.budget_seconds) {
-        points.insert(points.begin() + static_cast<std::ptrdiff_t>(over), tried);
-        advice.point = over;
-        return;
-      }
-      tolerance = std::sqrt(tolerance * coarse.tolerance.value);
+      tolerance = two_digits(tolerance);
+      if (!(tolerance < within && tolerance > over_it)) break;
+      AccuracyPoint tried = measure_between(coarse, Metres{tolerance}, fine);
+      const bool is_within = tried.warm_seconds <= advice.budget_seconds;
+      (is_within ? within : over_it) = tolerance;
+      if (is_within) best = std::move(tried);
+      tolerance = std::sqrt(within * over_it);
     }
+    if (!best) return;
+    points.insert(points.begin() + static_cast<std::ptrdiff_t>(over), *std::move(best));
+    advice.point = over;
   }
 
   void draw_maps() {
