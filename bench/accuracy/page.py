@@ -63,24 +63,33 @@ def names_first(window):
     return [(window.name if i == 0 else "", tolerance) for i, tolerance in enumerate(window.shown)]
 
 
+def step_of(heights):
+    """What all heights are multiples of, as far as floats tell."""
+    for step, words in ((1, "whole metres"), (0.1, "decimetres"), (0.01, "centimetres")):
+        if abs(heights / step - numpy.rint(heights / step)).max() * step < 1e-4:
+            return words
+    return "all digits"
+
+
 def models_(bench, folder):
     """Where the windows lie, and what stands in them."""
-    lines = table("window", "file", "first column, row", "EPSG", "samples stored as", "heights in it", "half the neighbours differ by")
-    for window in bench.windows:
-        dataset = gdal.Open(str(window.cut))
+    lines = table("window", "file", "first column, row", "EPSG", "samples stored as", "heights in it")
+    places = [(w.name, w.file, w.col, w.row, SIDE) for w in bench.windows] + [(f"paper's table: {name}", *place, 160) for name, *place in PAPER]
+    for name, file, col, row, cells in places:
+        if not (models() / file).exists():
+            continue
+        dataset = gdal.Open(str(models() / file))
         band, crs = dataset.GetRasterBand(1), dataset.GetSpatialRef()
-        heights = band.ReadAsArray().astype(float)
-        step = "whole metres" if (heights == numpy.rint(heights)).all() else "metres"
-        lines.append(row_of([window.name, f"`{window.file}`", f"{window.col}, {window.row}", (crs and crs.GetAuthorityCode(None)) or "none",
-                             f"{gdal.GetDataTypeName(band.DataType)}, {step}", f"{heights.min():.5g} to {heights.max():.5g} m",
-                             f"{numpy.median(abs(numpy.diff(heights, axis=1))):.2g} m"]))
+        heights = band.ReadAsArray(col, row, cells + 1, cells + 1).astype(float)
+        lines.append(row_of([name, f"`{file}`", f"{col}, {row}", (crs and crs.GetAuthorityCode(None)) or "none",
+                             f"{gdal.GetDataTypeName(band.DataType)}, {step_of(heights)}", f"{heights.min():.5g} to {heights.max():.5g} m"]))
     return lines
 
 
 def windows(bench, folder):
     """Error against vertices, time and bytes, of databases of each kind and of the peers."""
     over_vertices, over_time = [], []
-    lines = table("window of 513²", "asked", "exact: vertices", "of samples", "95 % within", "time", "bytes", "nested: vertices",
+    lines = table("window of 513²", "asked", "exact: vertices", "of samples", "95 % within", "RMS", "time", "bytes", "nested: vertices",
                   "midpoint: vertices", "true error", "perpendicular: vertices", "true error", "martini: vertices", "time", "true error")
     for window in bench.windows:
         found = {kind: bench.measured(window.cut, kind, window.timed) for kind in KINDS}
@@ -97,7 +106,7 @@ def windows(bench, folder):
         for name, tolerance in names_first(window):
             exact = at["exact"][tolerance]
             row = [name, f"{tolerance} m", f"{exact['vertices']:,}", f"{100 * exact['vertices'] / (SIDE + 1) ** 2:.2g} %",
-                   f"{exact['percentile_95_error']:.2g} m", f"{exact['warm_seconds'] / finest:.2f}", f"{exact['bytes'] / 1000:,.1f} kB",
+                   f"{exact['percentile_95_error']:.2g} m", f"{exact['rms_error']:.2g} m", f"{exact['warm_seconds'] / finest:.2f}", f"{exact['bytes'] / 1000:,.1f} kB",
                    share(at["nested"][tolerance]["vertices"], exact["vertices"])]
             for kind in ("midpoint", "perpendicular"):
                 row += [share(at[kind][tolerance]["vertices"], exact["vertices"]), f"{at[kind][tolerance]['largest_error']:.3g} m"]
@@ -241,36 +250,59 @@ def borders(bench, folder):
     return lines
 
 
+def chains(bench, folder):
+    """A coarse answer first, then what it lacks of the next, and so on: bytes together, against the last answer at once."""
+    lines = table("window of 513²", "heights", "first", "then", "then", "together", "at once", "more")
+    steps = {"S36E149, 90 m, hills": (50, 20, 5), "bigtujunga, 30 m, canyons": (50, 20, 5), "gabilan, 1 m, lidar": (1, 0.5, 0.1)}
+    for window in bench.windows:
+        if window.name not in steps:
+            continue
+        coarse, middle, fine = steps[window.name]
+        for words, name in (([], "exact"), (["--heights", "bounded", "--quantum", fine], f"bounded, `--quantum {fine}`")):
+            ask = lambda *more: bench.answer(bench.database(window.cut), *more, *words)["bytes"]
+            parts = [ask("--tolerance", coarse), ask("--from", coarse, "--tolerance", middle), ask("--from", middle, "--tolerance", fine)]
+            at_once = ask("--tolerance", fine)
+            kb = lambda n: f"{n / 1000:,.1f} kB"
+            lines.append(row_of([window.name if not words else "", name, f"{coarse} m: {kb(parts[0])}", f"{middle} m: {kb(parts[1])}",
+                                 f"{fine} m: {kb(parts[2])}", kb(sum(parts)), kb(at_once), share(sum(parts), at_once)]))
+    return lines
+
+
 # What somebody wants, the window that stands for what they have, and the words of a query.
-CHOICES = [("the look of mountains from a few kilometres", "bigtujunga, 30 m, canyons", ["--tolerance", 5, "--heights", "bounded"]),
-           ("the same on a web map, zoom 12", "bigtujunga, 30 m, canyons", ["--tolerance", 20, "--heights", "fitted"]),
-           ("a game's or a simulator's terrain, few triangles", "Taiwan, 19 m, mountains", ["--tolerance", 10, "--heights", "fitted"]),
-           ("a survey as exact as its lidar", "gabilan, 1 m, lidar", ["--tolerance", 0.1, "--heights", "bounded"]),
-           ("the same, to be refined later", "gabilan, 1 m, lidar", ["--tolerance", 0.1]),
+CHOICES = [("tiles of mountains for a web map, zoom 12", "bigtujunga, 30 m, canyons", ["--tolerance", 20, "--heights", "fitted"]),
+           ("the same, zoom 14", "bigtujunga, 30 m, canyons", ["--tolerance", 5, "--heights", "bounded"]),
+           ("a simulator's terrain, few triangles", "Swiss Alps, 90 m", ["--tolerance", 10, "--heights", "fitted"]),
+           ("an overview that increments go on from", "Swiss Alps, 90 m", ["--tolerance", 50]),
+           ("sheets of a lidar survey, few bytes", "gabilan, 1 m, lidar", ["--tolerance", 0.05, "--heights", "bounded"]),
+           ("the same for contours and CAD, no terraces", "gabilan, 1 m, lidar", ["--tolerance", 0.05]),
            ("a survey without a loss", "gabilan, 1 m, lidar", ["--tolerance", 0]),
-           ("slopes and runoff, as good as 90 m can tell", "S36E149, 90 m, hills", ["--tolerance", 1, "--heights", "dense"]),
-           ("an overview of a country, to go on from", "Swiss Alps, 90 m", ["--tolerance", 50])]
+           ("nearly every sample in few bytes", "S36E149, 90 m, hills", ["--tolerance", 1, "--heights", "dense"]),
+           ("slopes and runoff", "S36E149, 90 m, hills", ["--tolerance", 1])]
 
 
 def choices(bench, folder):
     """What the page recommends, asked for."""
-    lines = table("wanted", "window", "`talus query` with", "vertices", "of samples", "as a stream", "of exact", "samples at most off")
+    lines = table("wanted", "window", "`talus query` with", "vertices", "of samples", "as a stream", "heights are multiples of", "at most off", "level steps (source)", "time of exact")
     for wanted, name, words in CHOICES:
         window = next((w for w in bench.windows if w.name == name), None)
         if window is None:
             continue
-        made = bench.answer(bench.database(window.cut), *words)
-        exact = bench.answer(bench.database(window.cut), *words[:2])
-        mesh = bench.scratch / "choice.tif"
-        run(bench.talus, "query", bench.database(window.cut), *words, "-o", mesh)
-        off = abs(gdal.Open(str(mesh)).ReadAsArray().astype(float) - gdal.Open(str(window.cut)).ReadAsArray().astype(float)).max()
+        database, surface = bench.database(window.cut), bench.scratch / "choice.tif"
+        made = bench.answer(database, *words)
+        bench.answer(database, *words)  # into memory
+        seconds = lambda words: statistics.median(json.loads(run(bench.talus, "query", database, *words, "--json"))["seconds"] for _ in range(9))
+        ratio = seconds(words) / seconds(words[:2])
+        run(bench.talus, "query", database, *words, "-o", surface)
+        there, truth = (gdal.Open(str(file)).ReadAsArray().astype(float) for file in (surface, window.cut))
+        level = lambda heights: f"{100 * (abs(numpy.diff(heights, axis=1)) < 1e-6).mean():.0f} %"
         lines.append(row_of([wanted, name, f"`{' '.join(map(str, words))}`", f"{made['vertices']:,}", f"{100 * made['vertices'] / (SIDE + 1) ** 2:.2g} %",
-                             f"{made['bytes'] / 1000:,.1f} kB", share(made["bytes"], exact["bytes"]), f"{off:.3g} m"]))
+                             f"{made['bytes'] / 1000:,.1f} kB", f"{made['quantum']:g} m" if made["quantum"] else "the source's", f"{abs(there - truth).max():.3g} m",
+                             f"{level(there)} ({level(truth)})", f"{ratio:.1f}"]))
     return lines
 
 
 PARTS = {"choices": choices, "models": models_, "windows": windows, "kinds": kinds, "ingest": ingest, "paper": paper, "bytes": bytes_,
-         "profiles": profiles, "borders": borders}
+         "profiles": profiles, "chains": chains, "borders": borders}
 
 
 def main():
