@@ -1,6 +1,7 @@
 // `talus accuracy`: what it prints and writes, and that its recommendation can be followed.
 
 #include <algorithm>
+#include <regex>
 #include <sstream>
 
 #include "tests/cli/command.hpp"
@@ -45,6 +46,17 @@ class Accuracy : public Command {
     EXPECT_EQ(json["is_whole_region"], is_whole);
     const auto& advice = json["recommendation"];
     ASSERT_TRUE(advice.contains("tolerance")) << advice;
+    // What is offered beside it is finer and slower, or coarser and faster.
+    std::smatch offered;
+    const std::string text = advice["text"];
+    if (std::regex_search(text, offered, std::regex("; (for )?(\\S+) m (you pay|take) "))) {
+      const bool is_finer = offered[1].matched;
+      for (const auto& point : json["points"]) {
+        if (point["tolerance"] != std::stod(offered[2])) continue;
+        EXPECT_EQ(point["tolerance"] < advice["tolerance"], is_finer) << text;
+        EXPECT_EQ(point["warm_seconds"] > advice["seconds"], is_finer) << text;
+      }
+    }
     for (const auto& window : json["windows"]) {
       const auto answer = json_of(
           talus({"query", "a.talus", "--tolerance", advice["tolerance"].dump(), bbox(window["bbox"]), "--json"}));

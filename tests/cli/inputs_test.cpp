@@ -270,13 +270,14 @@ TEST_F(Inputs, AHeightStepRoundsAndHalfOfItIsPartOfEveryBound) {
   EXPECT_LE(verified("20"), 20);
   const Outcome finest = talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", "1"});
   EXPECT_NE(finest.out.find("ingest rounded heights by up to 2.5 m"), std::string::npos) << finest.out;
-  // One height that is farther from the source's than rounding takes it.
-  raster.at(40, 30) += 6;
+  // One height that is farther from the source's than rounding takes it, by half a metre.
+  const double was = raster.at(40, 30);
+  raster.at(40, 30) = found.at(40, 30) + 3;
   put_part("b.tif", 0, 0, 90, 70);
+  raster.at(40, 30) = was;
   const Outcome other = talus({"verify", "a.talus", "--against", "b.tif"});
   EXPECT_EQ(other.exit_code, damaged);
   EXPECT_NE(other.out.find("column 40, row 30"), std::string::npos) << other.out;
-  raster.at(40, 30) -= 6;
   // What ingest has spent is not there for a quantum, neither of heights that are split nor of nested ones.
   for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--quantum", "1"}}) {
     std::vector<std::string> words{"query", "a.talus", "--tolerance", "2", "--heights", "bounded"};
