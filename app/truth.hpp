@@ -16,8 +16,8 @@ namespace talus::app {
 [[nodiscard]] SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
                                       const std::string& database);
 
-/// That reader, which fails with invalid_argument where a height the database keeps is another one in the raster. Opens the
-/// database for each window, and closes it again.
+/// That reader, which fails with invalid_argument where a sample the database keeps is another one in the raster; of a database
+/// with a finest tolerance, where a vertex is. Opens the database for each window, and closes it again.
 [[nodiscard]] SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>& against,
                                            const std::string& database);
 

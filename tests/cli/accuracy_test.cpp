@@ -205,6 +205,9 @@ TEST_F(Accuracy, BadInputIsRefusedAndNothingIsLeft) {
   another_crs.crs = "EPSG:32632";
   raster.at(100, 75) += 100;
   make_raster("other_heights.tif", another_crs);
+  raster.at(100, 75) -= 100;
+  raster.make_void(90, 60);
+  make_raster("other_voids.tif", another_crs);
   raster = fit(fractal(90, 70, 4, 600), SampleType::int16);
   make_raster("smaller.tif");
   write_bytes(folder / "notes.txt", "no database\n");
@@ -227,6 +230,7 @@ TEST_F(Accuracy, BadInputIsRefusedAndNothingIsLeft) {
   refused({"a.talus", "--against", "another_crs.tif"}, usage, "another CRS");
   refused({"a.talus", "--against", "no_crs.tif"}, usage, "another CRS");
   refused({"a.talus", "--against", "other_heights.tif"}, usage, "column 100, row 75");
+  refused({"a.talus", "--against", "other_voids.tif"}, usage, "no data");
   refused({"a.talus", "--against", "none.tif"}, failed, "none.tif");
   for (const char* bad : {"", ",", "1,", "1,,2", "-1", "nan", "inf", "1,nan", "1;2", "two"})
     refused({"a.talus", "--tolerances", bad}, usage, "--tolerances");
