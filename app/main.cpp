@@ -12,6 +12,7 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/fields.hpp"
 #include "app/interrupt.hpp"
 #include "talus/failure.hpp"
 
@@ -32,6 +33,7 @@ Exit exit_for(Cause cause) {
 
 // One line, whatever a file name holds.
 Exit complain(std::string sentence, Exit code) {
+  sentence = with_options(std::move(sentence));
   std::replace_if(
       sentence.begin(), sentence.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
   fmt::print(stderr, "talus: {}\n", sentence);
@@ -50,8 +52,8 @@ Exit run(std::vector<std::string> arguments) {
       "\nExample:\n"
       "  talus ingest alps.tif alps.talus\n"
       "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply\n"
-      "\nExit codes: 0 done, 1 failed (not found, I/O, unsupported), 2 usage or invalid argument, 3 corrupt,\n"
-      "4 disk full, 130 interrupted.");
+      "\nExit codes: 0 done, 1 failed (not found, I/O, unsupported), 2 usage or invalid argument, 3 damaged or\n"
+      "not a database, 4 disk full, 5 differs from its source or lies beyond its bound, 130 interrupted.");
   Action action;
   add_ingest(program, action);
   add_info(program, action);

@@ -1,9 +1,11 @@
 #pragma once
 // The one type Talus throws.
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace talus {
 
@@ -19,14 +21,21 @@ enum class Cause : int {
 
 [[nodiscard]] std::string_view to_string(Cause cause);
 
-/// A failure and the sentence that explains it: which file, which value, what was expected.
+/// A failure and the sentence that explains it: which file, which value, what was expected, what to do.
+///
+/// Where a field of an options struct would help, the sentence names it in full, for instance
+/// `InputOptions::allow_outside`; a program that offers it under another name can replace the word.
 class Failure : public std::runtime_error {
  public:
-  Failure(Cause cause, const std::string& sentence) : std::runtime_error(sentence), cause_(cause) {}
+  /// file  the file that is at fault, as the caller named it; empty: no file is
+  Failure(Cause cause, const std::string& sentence, std::filesystem::path file = {})
+      : std::runtime_error(sentence), cause_(cause), file_(std::move(file)) {}
   [[nodiscard]] Cause cause() const noexcept { return cause_; }
+  [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }
 
  private:
   Cause cause_;
+  std::filesystem::path file_;
 };
 
 }  // namespace talus

@@ -18,7 +18,7 @@
 
 namespace talus::support {
 
-enum Exit { done = 0, failed = 1, usage = 2, damaged = 3, disk_full = 4 };
+enum Exit { done = 0, failed = 1, usage = 2, damaged = 3, disk_full = 4, differs = 5 };
 
 inline std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

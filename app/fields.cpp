@@ -1,0 +1,25 @@
+#include "app/fields.hpp"
+
+#include <array>
+#include <utility>
+
+namespace talus::app {
+namespace {
+
+// A field whose name begins with another one's stands before it.
+constexpr std::array<std::pair<const char*, const char*>, 2> kOptions{{
+    {"IngestOptions::overwrite", "--overwrite"},
+    {"IngestOptions::resume", "--resume"},
+}};
+
+}  // namespace
+
+std::string with_options(std::string sentence) {
+  for (const auto& [field, option] : kOptions) {
+    const std::string name = field;
+    for (std::size_t at = 0; (at = sentence.find(name, at)) != std::string::npos;) sentence.replace(at, name.size(), option);
+  }
+  return sentence;
+}
+
+}  // namespace talus::app
