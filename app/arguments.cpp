@@ -162,6 +162,19 @@ double parse_height_step(const std::string& word) {
   return *value;
 }
 
+double parse_nodata(const std::string& word) {
+  if (word == "nan" || word == "NaN") return std::nan("");
+  if (const std::optional<double> value = number(word)) return *value;
+  throw Failure(Cause::invalid_argument, fmt::format("--nodata takes a number or nan; \"{}\" is not that", word));
+}
+
+ColourCode parse_decode(const std::string& word) {
+  if (word == "none") return ColourCode::none;
+  if (word == "terrain-rgb") return ColourCode::terrain_rgb;
+  if (word == "terrarium") return ColourCode::terrarium;
+  throw Failure(Cause::invalid_argument, fmt::format("--decode takes terrain-rgb or terrarium; \"{}\" is neither", word));
+}
+
 bool parse_priority(const std::string& word) {
   if (word == "later") return false;
   if (word == "resolution") return true;
@@ -212,7 +225,7 @@ std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
     const std::string& word = arguments[i];
     const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--from" ||
                               word == "--void-weight" || word == "--focus" || word == "--line" || word == "--point" ||
-                              word == "--surface" || word == "--tolerances" || word == "--time" || word == "--map";
+                              word == "--surface" || word == "--tolerances" || word == "--time" || word == "--map" || word == "--nodata";
     if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
         arguments[i + 1][1] != '-') {
       joined.push_back(word + "=" + arguments[++i]);

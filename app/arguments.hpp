@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/description.hpp"
+#include "talus/ingest.hpp"
 #include "talus/question.hpp"
 #include "talus/units.hpp"
 
@@ -35,6 +36,10 @@ namespace talus::app {
 [[nodiscard]] std::pair<double, double> parse_cell(const std::string& word);
 /// Metres, larger than 0.
 [[nodiscard]] double parse_height_step(const std::string& word);
+/// A finite number or nan.
+[[nodiscard]] double parse_nodata(const std::string& word);
+/// "none", "terrain-rgb" or "terrarium".
+[[nodiscard]] ColourCode parse_decode(const std::string& word);
 /// "later" (false) or "resolution" (true).
 [[nodiscard]] bool parse_priority(const std::string& word);
 /// "exact", "nested" or "midpoint"; "vertical" or "perpendicular".

@@ -7,9 +7,17 @@ namespace talus::app {
 namespace {
 
 // A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 2> kOptions{{
+constexpr std::array<std::pair<const char*, const char*>, 10> kOptions{{
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
+    {"InputOptions::allow_drivers", "--allow-driver"},
+    {"InputOptions::allow_outside", "--allow-outside"},
+    {"InputOptions::recursive", "--recursive"},
+    {"InputOptions::skip_broken", "--skip-broken"},
+    {"InputOptions::band", "--band"},
+    {"InputOptions::variable", "--variable"},
+    {"InputOptions::nodata", "--nodata"},
+    {"InputOptions::decode", "--decode"},
 }};
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/input_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/report.hpp"
@@ -22,6 +23,7 @@ struct Request {
   std::vector<std::string> files;  // the database last
   std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step, tolerance,
               error = "exact", metric = "vertical";
+  InputWords inputs_read;
   IngestOptions options;
   bool update = false, dry_run = false, json = false;
 
@@ -31,6 +33,7 @@ struct Request {
 
 void settle_options(Request& request) {
   IngestOptions& o = request.options;
+  o.inputs = request.inputs_read.read();
   o.void_weight = parse_weight(request.void_weight);
   o.error_kind = parse_error_kind(request.error);
   o.error_metric = parse_error_metric(request.metric);
@@ -157,14 +160,9 @@ Exit run(Request& request) {
 }
 
 void add_grid_options(CLI::App& command, Request& request) {
-  InputOptions& inputs = request.options.inputs;
+  add_input_options(command, request.inputs_read);
+  InputOptions& inputs = request.inputs_read.options;
   const std::string group = "Inputs";
-  command.add_option("--srs", inputs.srs, "CRS of inputs that state none: EPSG:2056, WKT or PROJ")
-      ->option_text("CRS")
-      ->group(group);
-  command.add_option("--vertical-unit", inputs.vertical_unit, "Unit of heights, where the inputs do not say: metre, foot …")
-      ->option_text("UNIT")
-      ->group(group);
   command.add_option("--priority", request.priority, "Where inputs overlap: the later one wins, or the finer")
       ->option_text("later|resolution")
       ->group(group);
@@ -179,9 +177,6 @@ void add_grid_options(CLI::App& command, Request& request) {
   command.add_option("--height-step", request.height_step,
                      "Round heights to multiples of so many metres; half of it is part of every bound")
       ->option_text("METRES")
-      ->group(group);
-  command.add_option("--allow-driver", inputs.allow_drivers, "Open files by this GDAL driver, too")
-      ->option_text("NAME")
       ->group(group);
 }
 
@@ -232,9 +227,10 @@ void add_ingest(CLI::App& program, Action& action) {
   add_grid_options(*command, *request);
   command->footer(
       "\n"
-      "Takes the first band of local rasters (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL reads),\n"
+      "Reads one band of local rasters (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL reads),\n"
       "computes the error of every vertex and writes one file, in memory that does not grow with the\n"
-      "raster. Samples are pixel centres; nodata, masks and NaN are voids; scale, offset and unit are applied.\n"
+      "raster. Samples are pixel centres; nodata, masks, alpha and NaN are voids; scale, offset and unit are applied.\n"
+      "Colours are refused unless --decode says how they stand for heights.\n"
       "Tiles on one grid are joined; others are refused unless an option says how to resample them.\n"
       "Interrupted, killed or out of disk, it leaves DATABASE.part, and --resume goes on.\n"
       "\nExamples:\n"

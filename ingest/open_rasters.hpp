@@ -11,7 +11,7 @@
 
 namespace talus {
 
-/// Opens rasters when they are needed and closes the one that was not needed for longest.
+/// Opens rasters when they are needed and closes the one that was not needed for longest. For those on their own grid.
 class OpenRasters {
  public:
   explicit OpenRasters(const std::vector<RasterFacts>& rasters, std::size_t most = 48)

@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "engine/grid.hpp"
+#include "ingest/common_grid.hpp"
 #include "ingest/crs.hpp"
+#include "ingest/laid_rasters.hpp"
 #include "ingest/warp.hpp"
 #include "talus/failure.hpp"
 
@@ -17,7 +19,6 @@ namespace talus {
 namespace {
 
 constexpr std::int64_t kMostSamples = std::int64_t{1} << 36;
-constexpr double kOnTheGrid = 1e-3;  // cells between a sample and the grid's, over the whole raster
 
 bool asks_for_resampling(const InputOptions& options) {
   return options.grid || !options.target_srs.empty() || options.target_dx != 0 || options.target_dy != 0 ||
@@ -51,7 +52,7 @@ struct Target {
   std::string vertical_unit;
 };
 
-GridMapping cells_for(const RasterFacts& first, const std::string& flat_wkt, bool is_same_crs,
+GridMapping cells_for(const RasterFacts& first, const LaidRasters& laid, const std::string& flat_wkt, bool is_same_crs,
                       const InputOptions& options) {
   const bool sized = options.target_dx != 0 || options.target_dy != 0;
   const auto is_size = [](double v) { return std::isfinite(v) && v > 0; };
@@ -63,7 +64,7 @@ GridMapping cells_for(const RasterFacts& first, const std::string& flat_wkt, boo
     const GridMapping& own = first.mapping;
     if (!sized || (own.dx == options.target_dx && own.dy == -options.target_dy)) return own;
   }
-  GridMapping m = suggested_grid(first, flat_wkt);
+  GridMapping m = suggested_grid(laid, flat_wkt);
   if (!sized) return m;
   // Cells that begin at multiples of their size, so that what is resampled alike fits together.
   const double west = m.x0 - 0.5 * m.dx, north = m.y0 - 0.5 * m.dy;
@@ -75,7 +76,8 @@ GridMapping cells_for(const RasterFacts& first, const std::string& flat_wkt, boo
 
 std::string flat(const std::string& wkt) { return wkt.empty() ? wkt : wkt_of(horizontal(crs_from(wkt)), "the target"); }
 
-Target target_of(const std::vector<RasterFacts>& rasters, const InputOptions& options) {
+/// laid  the sets of rasters that can be resampled together, the first input's first; empty where none may be
+Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<LaidRasters>& laid, const InputOptions& options) {
   const RasterFacts& first = rasters.front();
   if (options.grid) {
     const Grid& g = *options.grid;
@@ -102,28 +104,10 @@ Target target_of(const std::vector<RasterFacts>& rasters, const InputOptions& op
     target.crs_wkt = with_heights_of(asked, own);
   }
   target.flat_wkt = flat(target.crs_wkt);
-  target.mapping = cells_for(first, target.flat_wkt, same_crs(target.crs_wkt, first.crs_wkt), options);
+  target.mapping =
+      cells_for(first, laid.front(), target.flat_wkt, same_crs(target.crs_wkt, first.crs_wkt), options);
   if (!(target.mapping == first.mapping)) target.whose = "the target grid";
   return target;
-}
-
-/// Where the raster lies if its samples are the grid's own.
-std::optional<GridRect> place_on(const GridMapping& grid, const RasterFacts& raster) {
-  const GridMapping& m = raster.mapping;
-  const double col = (m.x0 - grid.x0) / grid.dx, row = (m.y0 - grid.y0) / grid.dy;
-  const double off = std::max(std::abs(col - std::nearbyint(col)), std::abs(row - std::nearbyint(row)));
-  const double drift = std::max(std::abs(m.dx / grid.dx - 1) * raster.cols, std::abs(m.dy / grid.dy - 1) * raster.rows);
-  if (!(off + drift <= kOnTheGrid)) return std::nullopt;
-  constexpr double kFar = kMaxExtent;
-  if (std::abs(col) > kFar || std::abs(row) > kFar) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} lies {} columns and {} rows away from the first sample of its grid; at most {} a side "
-                    "can be taken in",
-                    raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent));
-  }
-  const GridPoint at{static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
-  return GridRect{at, {at.col + raster.cols - 1, at.row + raster.rows - 1}};
 }
 
 void require_same_unit(const RasterFacts& raster, const Target& target) {
@@ -147,96 +131,117 @@ void require_same_heights(const RasterFacts& raster, const Target& target) {
 [[noreturn]] void refuse_grid(const RasterFacts& raster, const Target& target, bool is_same_crs) {
   constexpr const char* kWays =
       "--t-srs, --tr and --resampling put all inputs on one grid, --grid-of on that of a database";
-  if (!raster.is_placed || raster.crs_wkt.empty() != target.crs_wkt.empty()) {
-    const bool is_target = raster.is_placed && !raster.crs_wkt.empty();
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("{} states no {}, {} does; {}", is_target ? target.whose : raster.name,
-                    raster.is_placed ? "coordinate system" : "position", is_target ? raster.name : target.whose,
-                    raster.is_placed ? "--srs gives one" : "it cannot be joined with others"));
+  if (raster.crs_wkt.empty() != target.crs_wkt.empty()) {
+    const bool is_target = !raster.crs_wkt.empty();
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} states no coordinate system, {} does; --srs gives one", is_target ? target.whose : raster.name,
+                              is_target ? raster.name : target.whose),
+                  raster.name);
   }
   if (!is_same_crs) {
     throw Failure(Cause::unsupported,
-                  fmt::format("{} is in another coordinate system than {}; {}", raster.name, target.whose, kWays));
+                  fmt::format("{} is in another coordinate system than {}; {}, and --srs says what all inputs are in where what "
+                              "they state is wrong",
+                              raster.name, target.whose, kWays),
+                  raster.name);
   }
   throw Failure(Cause::unsupported,
                 fmt::format("{} has cells of {}, {} of {}: not one grid; {}", raster.name, cells_of(raster.mapping),
-                            target.whose, cells_of(target.mapping), kWays));
+                            target.whose, cells_of(target.mapping), kWays),
+                raster.name);
 }
 
-// ---- the antimeridian ------------------------------------------------------------------------------
-
-struct Lying {
-  RasterFacts* raster;  // null: the database's extent
-  std::int64_t first, last;
-  std::int64_t turns = 0;  // to the east
-};
-
-/// Columns of a full turn, if they are a whole number.
-std::int64_t columns_of_a_turn(const Target& target) {
-  const double columns = full_turn(target.crs_wkt) / target.mapping.dx;
-  const bool is_whole = columns >= 1 && std::abs(columns - std::nearbyint(columns)) <= kOnTheGrid;
-  return is_whole && columns < kMaxExtent ? std::llround(columns) : 0;
+/// A position is what puts heights where they belong; what states it otherwise than by a grid is named.
+void require_positions(const std::vector<RasterFacts>& rasters) {
+  for (const RasterFacts& raster : rasters) {
+    if (raster.is_placed) continue;
+    if (!raster.other_position.empty()) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} states its position by {}, which make no grid; gdalwarp makes a raster with a grid of it",
+                                raster.name, raster.other_position),
+                    raster.name);
+    }
+    if (rasters.size() > 1) {
+      const auto bare = std::count_if(rasters.begin(), rasters.end(), [](const RasterFacts& r) { return !r.is_placed; });
+      throw Failure(Cause::unsupported,
+                    fmt::format("{}{} no position, so it cannot be joined with others; give each a position, for instance with "
+                                "gdal_translate -a_ullr or a world file",
+                                raster.name, bare == 1 ? " states" : fmt::format(" and {} more state", bare - 1)),
+                    raster.name);
+    }
+    if (!raster.crs_wkt.empty()) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} has a coordinate system but states no position in it; give it one, for instance with "
+                                "gdal_translate -a_ullr or a world file",
+                                raster.name),
+                    raster.name);
+    }
+  }
 }
 
-/// Rasters on both sides of the antimeridian are neighbours: laid on a circle that is cut at its widest gap. Only
-/// if they then touch and span less than half a turn; the first (or the database) stays where it is.
-void join_across_antimeridian(std::vector<RasterFacts>& rasters, const Target& target, const InputOptions& options,
-                              std::vector<std::string>& notes) {
-  const std::int64_t turn = columns_of_a_turn(target);
+/// Plans how sets of rasters get to the target; only those of which one has to.
+void resample(const std::vector<RasterFacts*>& rasters, std::vector<LaidRasters>& laid, const Target& target,
+              GDALResampleAlg method) {
+  for (LaidRasters& set : laid) {
+    const auto member_of = [&](const RasterFacts& raster) {
+      return std::find_if(set.members.begin(), set.members.end(), [&](const RasterFacts& m) { return m.file == raster.file; });
+    };
+    std::vector<RasterFacts*> ours;
+    for (RasterFacts* raster : rasters) {
+      if (member_of(*raster) != set.members.end()) ours.push_back(raster);
+    }
+    if (ours.empty()) continue;
+    plan_warp(set, target.flat_wkt, target.mapping, method);
+    const auto shared = std::make_shared<const LaidRasters>(std::move(set));
+    set = LaidRasters{};
+    for (RasterFacts* raster : ours) {
+      const auto member = std::find_if(shared->members.begin(), shared->members.end(),
+                                       [&](const RasterFacts& m) { return m.file == raster->file; });
+      Warp warp{shared, static_cast<int>(member - shared->members.begin()), place_of(*shared, member->place)};
+      raster->place = warp.place;
+      raster->scale = shared->scale;
+      raster->offset = shared->offset;
+      raster->warp = std::move(warp);
+    }
+  }
+}
+
+/// Longitudes that are a full turn apart are the same place. Neighbours across the antimeridian are joined; where the rasters
+/// go all the way round, the grid is one turn, and what lies beyond its end is laid at its begin.
+void lay_on_circle(std::vector<RasterFacts>& rasters, const Target& target, const InputOptions& options, Placement& placement) {
+  const std::int64_t turn = columns_of_a_turn(target.crs_wkt, target.mapping);
   if (turn == 0) return;
-  std::vector<Lying> all;
-  if (options.grid && options.grid->extent.cols() > 0) {
-    all.push_back({nullptr, options.grid->extent.first.col, options.grid->extent.last.col});
+  const bool has_base = options.grid && options.grid->extent.cols() > 0;
+  GridRect base = has_base ? options.grid->extent : GridRect{};
+  std::vector<GridRect*> places;
+  if (has_base) places.push_back(&base);
+  for (RasterFacts& raster : rasters) places.push_back(&raster.place);
+  const std::vector<std::size_t> moved = join_across_antimeridian(places, turn);
+  if (!moved.empty()) {
+    placement.notes.push_back(note_of_turn(rasters[moved.front() - (has_base ? 1 : 0)].name, moved.size()));
   }
-  for (RasterFacts& raster : rasters) all.push_back({&raster, raster.place.first.col, raster.place.last.col});
-  const RasterFacts* anchor = all.front().raster;
-  if (all.size() < 2) return;
-  const auto on_circle = [&](const Lying& l) { return ((l.first % turn) + turn) % turn; };
-  std::sort(all.begin(), all.end(), [&](const Lying& a, const Lying& b) { return on_circle(a) < on_circle(b); });
 
-  // The widest gap lies before the raster that the line begins with.
-  std::size_t begin = 0;
-  std::int64_t widest = -1, reached = -turn;
-  for (const Lying& l : all) reached = std::max(reached, on_circle(l) + l.last - l.first - turn);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (const std::int64_t gap = on_circle(all[i]) - reached; gap > widest) widest = gap, begin = i;
-    reached = std::max(reached, on_circle(all[i]) + all[i].last - all[i].first);
+  const GridRect& anchor = *places.front();
+  std::int64_t west = anchor.first.col, east = anchor.last.col;
+  for (const GridRect* place : places) {
+    west = std::min<std::int64_t>(west, place->first.col);
+    east = std::max<std::int64_t>(east, place->last.col);
   }
-  if (widest <= 1) return;  // they go all the way round
-  std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(begin), all.end());
-  std::int64_t lap = 0, before = -1, anchor_turns = 0;
-  for (Lying& l : all) {
-    if (on_circle(l) < before) lap = 1;
-    before = on_circle(l);
-    l.turns = (before + lap * turn - l.first) / turn;
-    if (l.raster == anchor) anchor_turns = l.turns;
+  const std::int64_t width = std::max(turn, anchor.cols());
+  if (east - west + 1 <= std::max(turn + 1, anchor.cols())) return;  // a raster may repeat its first column at its end
+  placement.columns = {{anchor.first.col, static_cast<std::int32_t>(anchor.first.col + width - 1)}};
+  for (RasterFacts& raster : rasters) {
+    const std::int64_t first = raster.place.first.col, last = raster.place.last.col;
+    // All turns at which it meets the grid: from the first whose end reaches its begin on.
+    std::vector<std::int64_t> turns;
+    for (std::int64_t t = -((last - placement.columns->first) / turn) - 1; first + t * turn <= placement.columns->last; ++t) {
+      if (last + t * turn >= placement.columns->first) turns.push_back(t * turn);
+    }
+    raster.place.first.col = static_cast<std::int32_t>(first + turns.front());
+    raster.place.last.col = static_cast<std::int32_t>(last + turns.front());
+    for (std::size_t i = 1; i < turns.size(); ++i) raster.also_east.push_back(static_cast<std::int32_t>(turns[i] - turns.front()));
   }
-  std::int64_t end = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    Lying& l = all[i];
-    const std::int64_t from = l.first + l.turns * turn, to = l.last + l.turns * turn;
-    if (i > 0 && l.turns != all[i - 1].turns && from > end + 1) return;  // they do not touch
-    end = i == 0 ? to : std::max(end, to);
-  }
-  if (end - (all.front().first + all.front().turns * turn) >= turn / 2) return;
-  std::size_t moved = 0;
-  for (Lying& l : all) {
-    l.turns -= anchor_turns;
-    if (l.turns != 0 &&
-        (std::abs(l.first + l.turns * turn) > kMaxExtent || std::abs(l.last + l.turns * turn) > kMaxExtent))
-      return;
-  }
-  const std::string* name = nullptr;
-  for (const Lying& l : all) {
-    if (l.turns == 0 || l.raster == nullptr) continue;
-    l.raster->place.first.col = static_cast<std::int32_t>(l.first + l.turns * turn);
-    l.raster->place.last.col = static_cast<std::int32_t>(l.last + l.turns * turn);
-    if (++moved == 1) name = &l.raster->name;
-  }
-  if (moved == 0) return;
-  notes.push_back(fmt::format("{}{}: placed a full turn further, to join its neighbours across the antimeridian", *name,
-                              moved == 1 ? "" : fmt::format(" and {} more", moved - 1)));
+  placement.notes.push_back("longitudes go all the way round: what lies a full turn away is laid where it belongs");
 }
 
 }  // namespace
@@ -244,17 +249,22 @@ void join_across_antimeridian(std::vector<RasterFacts>& rasters, const Target& t
 Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOptions& options) {
   const GDALResampleAlg method = resampling_of(options.resampling);
   const bool may_resample = asks_for_resampling(options);
+  require_positions(rasters);
   if (!may_resample) require_own_grid(rasters.front());
   Placement placement;
-  Target target = target_of(rasters, options);
+  std::vector<LaidRasters> laid;
+  if (may_resample) laid = laid_together(rasters, placement.notes);
+  Target target = target_of(rasters, laid, options);
   if (!options.grid && !(target.mapping == rasters.front().mapping)) {
-    // A grid made for the occasion begins with the first input's first sample.
-    const GridPoint first = plan_warp(rasters.front(), target.flat_wkt, target.mapping, method).place.first;
+    // A grid made for the occasion begins with the first sample of the first input, and of those laid with it.
+    plan_warp(laid.front(), target.flat_wkt, target.mapping, method);
+    const GridPoint first = laid.front().place.first;
     target.mapping.x0 = target.mapping.x(first.col);
     target.mapping.y0 = target.mapping.y(first.row);
   }
   Comparison is_same(target.crs_wkt), is_same_flat(target.flat_wkt);
   std::map<std::string, bool> heights_checked;
+  std::vector<RasterFacts*> to_resample;
   for (RasterFacts& raster : rasters) {
     require_same_unit(raster, target);
     const bool is_same_crs = is_same(raster.crs_wkt);
@@ -269,18 +279,22 @@ Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOption
     if (!may_resample || !raster.is_placed || raster.crs_wkt.empty() != target.crs_wkt.empty()) {
       refuse_grid(raster, target, is_same_crs);
     }
-    raster.warp = plan_warp(raster, target.flat_wkt, target.mapping, method);
-    raster.place = raster.warp->place;
+    to_resample.push_back(&raster);
     raster.notes.push_back("is resampled: what is promised of its heights is promised of the resampled ones");
   }
-  join_across_antimeridian(rasters, target, options, placement.notes);
+  resample(to_resample, laid, target, method);
+  lay_on_circle(rasters, target, options, placement);
 
   std::int64_t west = kMaxExtent, north = kMaxExtent, east = -kMaxExtent, south = -kMaxExtent;
   for (const RasterFacts& raster : rasters) {
     west = std::min<std::int64_t>(west, raster.place.first.col);
     north = std::min<std::int64_t>(north, raster.place.first.row);
-    east = std::max<std::int64_t>(east, raster.place.last.col);
+    east = std::max<std::int64_t>(east, raster.place.last.col + (raster.also_east.empty() ? 0 : raster.also_east.back()));
     south = std::max<std::int64_t>(south, raster.place.last.row);
+  }
+  if (placement.columns) {
+    west = std::max<std::int64_t>(west, placement.columns->first);
+    east = std::min<std::int64_t>(east, placement.columns->last);
   }
   const std::int64_t cols = east - west + 1, rows = south - north + 1;
   if (west < -kMaxExtent || north < -kMaxExtent || east > kMaxExtent || south > kMaxExtent || cols > kMaxExtent ||

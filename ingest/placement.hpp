@@ -1,6 +1,8 @@
 #pragma once
 // Rasters laid on one grid.
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,9 +10,14 @@
 
 namespace talus {
 
+struct Columns {
+  std::int32_t first, last;
+};
+
 struct Placement {
   GridMapping mapping;
   GridRect extent{{0, 0}, {-1, -1}};  ///< of all rasters
+  std::optional<Columns> columns;     ///< which the extent keeps to, where longitudes go all the way round
   std::string crs_wkt;
   std::vector<std::string> notes;
 };

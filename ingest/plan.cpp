@@ -21,6 +21,11 @@ std::string typed(const IngestOptions& options) {
   if (options.error_metric != ErrorMetric::vertical) text += fmt::format(", --metric {}", name_of(options.error_metric));
   if (options.void_weight != 1) text += fmt::format(", --void-weight {}", options.void_weight);
   if (!in.srs.empty()) text += fmt::format(", --srs {}", in.srs);
+  if (in.band != 0) text += fmt::format(", --band {}", in.band);
+  if (!in.variable.empty()) text += fmt::format(", --variable {}", in.variable);
+  for (const double value : in.nodata) text += fmt::format(", --nodata {}", value);
+  if (in.decode != ColourCode::none)
+    text += fmt::format(", --decode {}", in.decode == ColourCode::terrarium ? "terrarium" : "terrain-rgb");
   if (!in.vertical_unit.empty()) text += fmt::format(", --vertical-unit {}", in.vertical_unit);
   if (in.priority_resolution) text += ", --priority resolution";
   if (!in.target_srs.empty()) text += fmt::format(", --t-srs {}", in.target_srs);

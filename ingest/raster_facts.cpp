@@ -11,7 +11,7 @@
 #include "engine/grid.hpp"
 #include "ingest/crs.hpp"
 #include "ingest/gdal_scope.hpp"
-#include "ingest/raster_guard.hpp"
+#include "ingest/laid_rasters.hpp"
 #include "ingest/vertical_unit.hpp"
 #include "talus/failure.hpp"
 
@@ -60,11 +60,36 @@ void take_size(GDALDatasetH dataset, RasterFacts& facts) {
   }
 }
 
+constexpr std::array<double, 6> kNoGeotransform{0, 1, 0, 0, 0, 1};  // what GDAL says where a file says nothing
+
+/// Control points that lie on a grid to the last bit or so are a geotransform by another name.
+bool has_grid_of_control_points(GDALDatasetH dataset, std::array<double, 6>& geotransform) {
+  const int count = GDALGetGCPCount(dataset);
+  return count > 0 && GDALGCPsToGeoTransform(count, GDALGetGCPs(dataset), geotransform.data(), FALSE) != 0;
+}
+
+/// What GDAL knows of a raster's position beside a geotransform, in words.
+std::string other_position_of(GDALDatasetH dataset) {
+  if (const int count = GDALGetGCPCount(dataset); count > 0) return fmt::format("{} ground control points", count);
+  if (GDALGetMetadata(dataset, "RPC") != nullptr) return "the coefficients of a camera (RPC)";
+  if (GDALGetMetadata(dataset, "GEOLOCATION") != nullptr) return "arrays of longitudes and latitudes (GEOLOCATION)";
+  return "";
+}
+
 void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
   std::array<double, 6>& t = facts.geotransform;
-  constexpr std::array<double, 6> kNone{0, 1, 0, 0, 0, 1};  // what GDAL says where a file says nothing
   facts.mapping = {0.5, -0.5, 1, -1};
-  if (GDALGetGeoTransform(dataset, t.data()) != CE_None || t == kNone) return;
+  if (GDALGetGeoTransform(dataset, t.data()) != CE_None || t == kNoGeotransform) {
+    if (!has_grid_of_control_points(dataset, t)) {
+      t = kNoGeotransform;
+      facts.other_position = other_position_of(dataset);
+      if (facts.other_position.empty()) {
+        facts.notes.push_back("states no position: its samples count from 0,0, columns to the right and rows downwards");
+      }
+      return;
+    }
+    facts.notes.push_back("states its position by ground control points, which lie on a grid");
+  }
 
   if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); })) {
     throw Failure(Cause::invalid_argument, fmt::format("{} has a geotransform that is not finite", facts.name));
@@ -93,6 +118,7 @@ void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
 
 void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
   OGRSpatialReferenceH handle = GDALGetSpatialRef(dataset);
+  if (handle == nullptr && GDALGetGCPCount(dataset) > 0) handle = GDALGetGCPSpatialRef(dataset);
   if (handle != nullptr) facts.crs_wkt = wkt_of(*OGRSpatialReference::FromHandle(handle), facts.name);
   if (!options.srs.empty()) {
     const std::string said = wkt_of(options.srs, "--srs");
@@ -174,29 +200,113 @@ double scale_or_offset(double value, bool is_scale, const std::string& name) {
                             value, is_scale ? " other than 0" : ""));
 }
 
-void take_voids(GDALRasterBandH band, RasterFacts& facts) {
-  // A mask besides what the nodata value already says.
+/// The value as a sample of the type, where it can be one.
+std::optional<double> as_sample(double value, GDALDataType type) {
+  if (const std::optional<Range> range = range_of(type)) {
+    if (value >= range->low && value <= range->high && value == std::nearbyint(value)) return value;
+    return std::nullopt;
+  }
+  if (type == GDT_Float64 || !std::isfinite(value)) return value;
+  if (std::abs(value) > double{std::numeric_limits<float>::max()} * (1 + 1e-7)) return std::nullopt;
+  return static_cast<double>(static_cast<float>(value));
+}
+
+void take_voids(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
+  // A mask besides what the void value and alpha already say.
   const int flags = GDALGetMaskFlags(band);
-  facts.masked = (flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA;
+  facts.masked = (flags & (GMF_ALL_VALID | GMF_ALPHA)) == 0 && flags != GMF_NODATA;
+  std::vector<std::string> kinds;
   int declared = 0;
   const double value = GDALGetRasterNoDataValue(band, &declared);
-  if (facts.masked) facts.void_text = (flags & GMF_ALPHA) != 0 ? "alpha" : "mask";
-  if (declared == 0) return;
-  if (!facts.masked) facts.void_text = fmt::format("{}", value);
-  bool held = true;
-  if (const std::optional<Range> range = range_of(facts.type)) {
-    held = value >= range->low && value <= range->high && value == std::nearbyint(value);
-    if (held) facts.nodata = value;
-  } else if (std::isnan(value) || facts.type == GDT_Float64 || std::isinf(value)) {
-    if (!std::isnan(value)) facts.nodata = value;
+  if (declared != 0 && facts.decode == ColourCode::none) {
+    if (const std::optional<double> sample = as_sample(value, facts.type)) {
+      if (!std::isnan(*sample)) facts.nodata = *sample;
+    } else {
+      facts.notes.push_back(fmt::format("the void value {} is none that {} can hold: nothing is void by it", value,
+                                        GDALGetDataTypeName(facts.type)));
+    }
+    kinds.push_back(fmt::format("{}", value));
   } else {
-    held = std::abs(value) <= double{std::numeric_limits<float>::max()} * (1 + 1e-7);
-    if (held) facts.nodata = static_cast<double>(static_cast<float>(value));
+    for (const double said : options.nodata) {
+      const std::optional<double> sample = as_sample(said, facts.type);
+      if (!sample) continue;
+      if (!std::isnan(*sample)) facts.assumed_voids.push_back(*sample);
+      kinds.push_back(fmt::format("{}", said));
+    }
   }
-  if (!held) {
-    facts.notes.push_back(fmt::format("the void value {} is none that {} can hold: nothing is void by it", value,
-                                      GDALGetDataTypeName(facts.type)));
+  if (facts.masked) kinds.emplace_back("mask");
+  if (!facts.alphas.empty()) kinds.emplace_back("alpha");
+  facts.void_text = fmt::format("{}", fmt::join(kinds, " and "));
+}
+
+// ---- which band, and what it means -------------------------------------------------------------------
+
+/// What a band shows if it is a colour; null where it may be heights.
+const char* colour_of(GDALRasterBandH band) {
+  const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
+  if (meaning == GCI_PaletteIndex || (GDALGetRasterDataType(band) == GDT_Byte && GDALGetRasterColorTable(band) != nullptr))
+    return "a palette";
+  if (meaning == GCI_Undefined || meaning == GCI_GrayIndex || meaning == GCI_AlphaBand) return nullptr;
+  return GDALGetColorInterpretationName(meaning);
+}
+
+[[noreturn]] void refuse_colours(const RasterFacts& facts, int band, const char* colour) {
+  throw Failure(Cause::unsupported,
+                fmt::format("{} holds colours, not heights: band {} is {}. If the colours stand for heights, "
+                            "InputOptions::decode says how, terrain-rgb or terrarium; if they are heights, gdal_translate "
+                            "-colorinterp gray says so",
+                            facts.name, band, colour),
+                facts.name);
+}
+
+/// Red, green and blue, and perhaps alpha.
+void require_colours(GDALDatasetH dataset, const InputOptions& options, const RasterFacts& facts) {
+  const int bands = GDALGetRasterCount(dataset) - static_cast<int>(facts.alphas.size());
+  bool are_bytes = bands == 3 && (facts.alphas.empty() || facts.alphas.front() == 4);
+  for (int i = 1; are_bytes && i <= bands; ++i)
+    are_bytes = GDALGetRasterDataType(GDALGetRasterBand(dataset, i)) == GDT_Byte;
+  if (are_bytes && options.band == 0) return;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{}: InputOptions::decode takes rasters of three bands of bytes, red, green and blue, and perhaps alpha{}",
+                            facts.name, are_bytes ? "; InputOptions::band does not go with it" : ""),
+                facts.name);
+}
+
+void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
+  const int bands = GDALGetRasterCount(dataset);
+  std::vector<int> others;
+  for (int i = 1; i <= bands; ++i) {
+    const bool is_alpha = GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset, i)) == GCI_AlphaBand;
+    (is_alpha ? facts.alphas : others).push_back(i);
   }
+  if (others.empty()) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has no band to take heights from{}", facts.name, bands > 0 ? ": it has alpha only" : ""), facts.name);
+  }
+  facts.decode = options.decode;
+  if (facts.decode != ColourCode::none) return require_colours(dataset, options, facts);
+  for (const int i : others) {
+    if (const char* colour = colour_of(GDALGetRasterBand(dataset, i))) refuse_colours(facts, i, colour);
+  }
+  facts.band = options.band == 0 ? others.front() : options.band;
+  if (std::find(others.begin(), others.end(), facts.band) == others.end()) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has {} band{}{}: InputOptions::band {} names no heights of it", facts.name, bands,
+                              bands == 1 ? "" : "s", facts.alphas.empty() ? "" : ", alpha among them", facts.band),
+                  facts.name);
+  }
+  if (others.size() > 1 && options.band == 0) {
+    facts.notes.push_back(
+        fmt::format("has {} bands of heights; the first is read, InputOptions::band chooses another", others.size()));
+  }
+}
+
+/// Whole numbers that stand for heights.
+void take_colour_code(RasterFacts& facts) {
+  if (facts.decode == ColourCode::none) return;
+  facts.type = GDT_UInt32;
+  facts.scale = facts.decode == ColourCode::terrarium ? 1.0 / 256 : 0.1;
+  facts.offset = facts.decode == ColourCode::terrarium ? -32768 : -10000;
 }
 
 void take_file(RasterFacts& facts) {
@@ -226,7 +336,7 @@ std::uint64_t largest_block(GDALDatasetH dataset, const InputOptions& options) {
   const CPLStringList files{GDALGetFileList(dataset)};
   for (int i = 1; i < files.Count(); ++i) {  // the first is the dataset
     try {
-      const AdmittedRaster joined = admit_raster(files[i], options.allow_drivers);
+      const AdmittedRaster joined = admit_raster(files[i], options);
       if (joined.dataset && GDALGetRasterCount(joined.dataset.get()) > 0)
         largest = std::max(largest, largest_block(joined.dataset.get(), options));
     } catch (const Failure&) {  // overviews and the like; what is no raster is not read as one
@@ -240,42 +350,73 @@ std::uint64_t largest_block(GDALDatasetH dataset, const InputOptions& options) {
 DatasetOwner open_dataset(const RasterFacts& facts) {
   GdalScope gdal;
   const std::array<const char*, 2> only{facts.driver.c_str(), nullptr};
-  DatasetOwner dataset{
-      GDALOpenEx(facts.file.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr)};
+  DatasetOwner dataset{GDALOpenEx(name_to_open(facts.file, facts.driver, facts.variable).c_str(),
+                                  GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr)};
   if (!dataset) {
-    throw Failure(Cause::unsupported, fmt::format("cannot open {} as {}{}", facts.name, facts.driver, gdal.reason()));
+    throw Failure(Cause::unsupported, fmt::format("cannot open {} as {}{}", facts.name, facts.driver, gdal.reason()), facts.name);
   }
   return dataset;
 }
 
-RasterFacts look_at(const fs::path& file, const InputOptions& options) {
-  AdmittedRaster admitted = admit_raster(file, options.allow_drivers);
-  RasterFacts facts;
-  facts.file = admitted.file;
-  facts.name = file.string();
-  facts.driver = admitted.driver;
-  take_file(facts);
-  GdalScope gdal;
-  const DatasetOwner owner = admitted.dataset ? std::move(admitted.dataset) : open_dataset(facts);  // which says why
-  GDALDatasetH dataset = owner.get();
-  const int bands = GDALGetRasterCount(dataset);
-  if (bands < 1) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} has no band to take heights from", facts.name));
+GDALDataType RasterFacts::read_type() const { return warp ? warp->laid->type_of_result : type; }
+
+namespace {
+
+/// Whatever fails while one file is looked at is about that file.
+template <class Look>
+auto about(const std::string& file, Look&& look) {
+  try {
+    return look();
+  } catch (const Failure& f) {
+    if (!f.file().empty()) throw;
+    throw Failure(f.cause(), f.what(), file);
   }
-  GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-  take_type(band, facts);
-  take_size(dataset, facts);
-  facts.block_bytes = largest_block(dataset, options);
-  take_placement(dataset, facts);
-  take_crs(dataset, options, facts);
-  take_unit(band, options, facts);
-  facts.scale = scale_or_offset(GDALGetRasterScale(band, nullptr), true, facts.name);
-  facts.offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, facts.name);
-  take_voids(band, facts);
-  const bool second_is_alpha =
-      bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset, 2)) == GCI_AlphaBand;
-  if (bands > 1 && !second_is_alpha) facts.notes.push_back(fmt::format("has {} bands; the first was taken", bands));
-  return facts;
+}
+
+}  // namespace
+
+AdmittedRaster open_input(const fs::path& file, const InputOptions& options) {
+  return about(file.string(), [&] {
+    AdmittedRaster admitted = admit_raster(file, options);
+    if (!admitted.dataset) {
+      RasterFacts facts;
+      facts.file = admitted.file;
+      facts.name = file.string();
+      facts.driver = admitted.driver;
+      admitted.dataset = open_dataset(facts);  // which says why it cannot be
+    }
+    return admitted;
+  });
+}
+
+RasterFacts look_at(const fs::path& file, const InputOptions& options) {
+  return look_at(open_input(file, options), file, options);
+}
+
+RasterFacts look_at(AdmittedRaster input, const fs::path& file, const InputOptions& options) {
+  return about(file.string(), [&] {
+    RasterFacts facts;
+    facts.file = input.file;
+    facts.name = file.string();
+    facts.driver = input.driver;
+    facts.variable = input.variable;
+    take_file(facts);
+    GdalScope gdal;
+    GDALDatasetH dataset = input.dataset.get();
+    take_band(dataset, options, facts);
+    GDALRasterBandH band = GDALGetRasterBand(dataset, facts.band);
+    take_type(band, facts);
+    take_size(dataset, facts);
+    facts.block_bytes = largest_block(dataset, options);
+    take_placement(dataset, facts);
+    take_crs(dataset, options, facts);
+    take_unit(band, options, facts);
+    facts.scale = scale_or_offset(GDALGetRasterScale(band, nullptr), true, facts.name);
+    facts.offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, facts.name);
+    take_colour_code(facts);
+    take_voids(band, options, facts);
+    return facts;
+  });
 }
 
 void require_distinct(const GridMapping& m, GridRect extent, const std::string& name) {

@@ -30,11 +30,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // Local files that hold elevation. Drivers that fetch, run or bundle other things stay out.
-constexpr std::array<const char*, 15> kDrivers{"GTiff", "VRT",  "SRTMHGT", "AAIGrid", "EHdr", "ENVI", "BT",   "USGSDEM",
-                                               "HFA",   "DTED", "netCDF",  "PNG",     "GSAG", "GSBG", "GS7BG"};
+constexpr std::array<const char*, 14> kDrivers{"GTiff",   "VRT", "SRTMHGT", "AAIGrid", "EHdr", "ENVI", "BT",
+                                               "USGSDEM", "HFA", "DTED",    "PNG",     "GSAG", "GSBG", "GS7BG"};
 constexpr std::string_view kFormats =
     "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, "
-    "netCDF, PNG, Surfer grids";
+    "PNG, Surfer grids";
+// What GDAL opens beside a raster without being asked: endings after its name, and in place of its own.
+constexpr std::array<std::string_view, 4> kAppended{".aux.xml", ".msk", ".ovr", ".aux"};
+constexpr std::array<std::string_view, 14> kReplaced{".hdr", ".prj", ".tfw", ".wld", ".tifw", ".blw", ".bilw",
+                                                     ".stx", ".sta", ".clr", ".tab", ".aux",  ".pgw", ".rrd"};
 constexpr std::uintmax_t kLargestVrt = 16u << 20;  // bytes; a source takes about 500
 constexpr std::size_t kDeepestVrt = 4;             // virtual rasters within virtual rasters
 
@@ -86,15 +90,47 @@ fs::path regular_file(const fs::path& file) {
   return real;
 }
 
+std::string upper(std::string_view text) {
+  std::string all(text);
+  std::transform(all.begin(), all.end(), all.begin(), [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return all;
+}
+
+/// Names of files beside a raster that GDAL may open on its own, and that are there.
+std::vector<fs::path> side_files_of(const fs::path& file) {
+  std::vector<fs::path> sides;
+  const auto add = [&](const fs::path& side) {
+    std::error_code error;
+    if (side != file && fs::exists(fs::symlink_status(side, error))) sides.push_back(side);
+  };
+  for (const std::string_view ending : kAppended) {
+    for (const std::string& written : {std::string(ending), upper(ending)}) add(file.string() + written);
+  }
+  for (const std::string_view ending : kReplaced) {
+    for (const std::string& written : {std::string(ending), upper(ending)}) add(fs::path(file).replace_extension(written));
+  }
+  return sides;
+}
+
+/// The variables of a file that holds several rasters, by the last part of what GDAL calls them: NETCDF:"a.nc":height.
+std::vector<std::string> variables_of(GDALDatasetH dataset) {
+  std::vector<std::string> names;
+  char** metadata = GDALGetMetadata(dataset, "SUBDATASETS");
+  for (int i = 1; const char* name = CSLFetchNameValue(metadata, fmt::format("SUBDATASET_{}_NAME", i).c_str()); ++i) {
+    const std::string_view whole = name;
+    names.emplace_back(whole.substr(whole.rfind(':') + 1));
+  }
+  return names;
+}
+
 class Guard {
  public:
-  explicit Guard(const std::vector<std::string>& allow_drivers) : drivers_(kDrivers.begin(), kDrivers.end()) {
-    for (const std::string& name : allow_drivers) {
+  explicit Guard(const InputOptions& options) : options_(options), drivers_(kDrivers.begin(), kDrivers.end()) {
+    for (const std::string& name : options.allow_drivers) {
       GDALDriverH driver = GDALGetDriverByName(name.c_str());
       if (driver == nullptr) {
-        throw Failure(
-            Cause::invalid_argument,
-            fmt::format("--allow-driver {}: GDAL has no such driver here (gdalinfo --formats lists them)", name));
+        throw Failure(Cause::invalid_argument,
+                      fmt::format("InputOptions::allow_drivers: GDAL has no driver {} here (gdalinfo --formats lists them)", name));
       }
       drivers_.push_back(GDALGetDriverShortName(driver));
     }
@@ -111,7 +147,10 @@ class Guard {
     const std::string driver = identify(real);
     seen_.insert(real);
     if (driver == "VRT") check_vrt(real);
-    return {real, driver, check_side_files(real, driver)};
+    check_side_files(real);
+    AdmittedRaster raster{real, driver, {}, open(real, driver, "")};
+    if (raster.dataset) choose_variable(raster, file);
+    return raster;
   }
 
  private:
@@ -119,11 +158,13 @@ class Guard {
     GDALDriverH driver = driver_of(file);
     if (driver == nullptr) {
       GDALDriverH other = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr);
-      const std::string way =
-          other == nullptr ? ""
-                           : fmt::format("; --allow-driver {} takes it nevertheless", GDALGetDriverShortName(other));
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is not a raster Talus reads ({}){}", file.string(), kFormats, way));
+      const std::string name = other == nullptr ? "" : GDALGetDriverShortName(other);
+      std::error_code error;
+      std::string why = fmt::format("is not a raster Talus reads ({})", kFormats);
+      if (name == "netCDF") why = "is a netCDF file; damaged ones crash the library that reads them, so only ones you trust are opened";
+      if (fs::file_size(file, error) == 0 && !error) why = "is empty";
+      const std::string way = other == nullptr ? "" : fmt::format("; InputOptions::allow_drivers {} opens it", name);
+      throw Failure(Cause::unsupported, fmt::format("{} {}{}", file.string(), why, way));
     }
     return GDALGetDriverShortName(driver);
   }
@@ -145,15 +186,25 @@ class Guard {
     check_first_choice(real, admit(real).driver);
   }
 
-  // GDAL opens masks and overviews beside a file with any driver, and an overview file that the
-  // metadata names from anywhere.
-  DatasetOwner check_side_files(const fs::path& file, const std::string& driver) {
-    for (const char* ending : {".msk", ".MSK", ".ovr", ".OVR"}) {
-      const fs::path side = file.string() + ending;
-      if (std::error_code error; fs::exists(side, error)) admit_inner(side);
+  // GDAL opens files beside a raster by itself, masks and overviews with any driver.
+  void check_side_files(const fs::path& file) {
+    for (const fs::path& side : side_files_of(file)) {
+      const fs::path real = regular_file(side);
+      if (!may_lead_to(real, file.parent_path(), options_)) {
+        throw Failure(Cause::unsupported,
+                      fmt::format("{} is a link to {}, outside the folder of its raster; InputOptions::allow_outside names folders "
+                                  "whose files may be read, such as {}",
+                                  side.string(), real.string(), real.parent_path().string()));
+      }
+      const std::string ending = upper(side.extension().string());
+      if (ending == ".MSK" || ending == ".OVR") admit_inner(side);
     }
+  }
+
+  // An overview file that the metadata names may lie anywhere.
+  static DatasetOwner open(const fs::path& file, const std::string& driver, const std::string& variable) {
     const std::array<const char*, 2> only{driver.c_str(), nullptr};
-    DatasetOwner dataset{GDALOpenEx(file.c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
+    DatasetOwner dataset{GDALOpenEx(name_to_open(file, driver, variable).c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
       throw Failure(Cause::unsupported,
                     fmt::format("{} names a separate overview file, which Talus does not follow; copy it with "
@@ -161,6 +212,25 @@ class Guard {
                                 file.string()));
     }
     return dataset;
+  }
+
+  /// Of a file without bands of its own but with rasters in it.
+  void choose_variable(AdmittedRaster& raster, const fs::path& named) const {
+    const std::vector<std::string> variables = variables_of(raster.dataset.get());
+    const bool has_bands = GDALGetRasterCount(raster.dataset.get()) > 0;
+    if (options_.variable.empty()) {
+      if (has_bands || variables.empty()) return;
+      throw Failure(Cause::unsupported, fmt::format("{} holds several rasters: {}; InputOptions::variable chooses one",
+                                                    named.string(), fmt::join(variables, ", ")));
+    }
+    if (std::find(variables.begin(), variables.end(), options_.variable) == variables.end()) {
+      if (has_bands && variables.empty()) return;  // the only one; the name is for other inputs
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("{} has no variable {}; it has {}", named.string(), options_.variable,
+                                variables.empty() ? "none" : fmt::format("{}", fmt::join(variables, ", "))));
+    }
+    raster.variable = options_.variable;
+    raster.dataset = open(raster.file, raster.driver, raster.variable);
   }
 
   void check_vrt(const fs::path& vrt) {
@@ -268,11 +338,11 @@ class Guard {
     }
     const bool beside = std::atoi(CPLGetXMLValue(&element, "relativeToVRT", "0")) != 0;  // as GDAL reads it
     const fs::path real = regular_file(beside ? vrt.parent_path() / name : name);
-    if (!lies_below(real, vrt.parent_path())) {
+    if (!may_lead_to(real, vrt.parent_path(), options_)) {
       throw Failure(Cause::unsupported,
-                    fmt::format("{} has the source {}, which lies outside its folder; put the sources below the "
-                                "virtual raster",
-                                vrt.string(), real.string()));
+                    fmt::format("{} has the source {}, which lies outside its folder; InputOptions::allow_outside names folders "
+                                "whose files may be read, such as {}",
+                                vrt.string(), real.string(), real.parent_path().string()));
     }
     if (std::find(open_.begin(), open_.end(), real) != open_.end()) {
       throw Failure(Cause::unsupported, fmt::format("{} is a source of itself", real.string()));
@@ -287,6 +357,7 @@ class Guard {
                               vrt.string(), what));
   }
 
+  const InputOptions& options_;
   std::vector<const char*> drivers_;  // that may open files; ends in null
   std::set<fs::path> seen_;
   std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
@@ -294,15 +365,31 @@ class Guard {
 
 }  // namespace
 
-AdmittedRaster admit_raster(const fs::path& file, const std::vector<std::string>& allow_drivers) {
+AdmittedRaster admit_raster(const fs::path& file, const InputOptions& options) {
   GdalScope gdal;
-  return Guard{allow_drivers}.admit(file);
+  return Guard{options}.admit(file);
 }
 
-bool looks_like_raster(const fs::path& file, const std::vector<std::string>& allow_drivers) {
+bool looks_like_raster(const fs::path& file, const InputOptions& options) {
   GdalScope gdal;
   std::error_code error;
-  return fs::is_regular_file(file, error) && Guard{allow_drivers}.driver_of(file) != nullptr;
+  return fs::is_regular_file(file, error) && Guard{options}.driver_of(file) != nullptr;
+}
+
+bool may_lead_to(const fs::path& file, const fs::path& folder, const InputOptions& options) {
+  std::error_code error;
+  const fs::path real = fs::canonical(file, error);
+  if (error) return false;
+  const auto is_below = [&](const fs::path& allowed) {
+    const fs::path place = fs::canonical(allowed.empty() ? "." : allowed, error);
+    return !error && lies_below(real, place);
+  };
+  return is_below(folder) || std::any_of(options.allow_outside.begin(), options.allow_outside.end(), is_below);
+}
+
+std::string name_to_open(const fs::path& file, const std::string& driver, const std::string& variable) {
+  if (variable.empty()) return file.string();
+  return fmt::format("{}:\"{}\":{}", upper(driver), file.string(), variable);
 }
 
 }  // namespace talus

@@ -1,6 +1,7 @@
 #include "ingest/raster_source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,28 +10,20 @@
 #include <fmt/format.h>
 
 #include "ingest/gdal_scope.hpp"
-#include "ingest/warp.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
 namespace {
 
 template <class T>
-constexpr GDALDataType kGdalType = std::is_same_v<T, std::int16_t> ? GDT_Int16
-                                   : std::is_same_v<T, float>      ? GDT_Float32
-                                                                   : GDT_Float64;
+constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
+                                   : std::is_same_v<T, std::int16_t> ? GDT_Int16
+                                   : std::is_same_v<T, float>        ? GDT_Float32
+                                                                     : GDT_Float64;
 // As wide as T, so that comparisons stay in their lanes.
 template <class T>
 using Bits =
     std::conditional_t<sizeof(T) == 2, std::int16_t, std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>>;
-
-/// A rectangle of samples somewhere in a larger one.
-template <class T>
-struct Patch {
-  T* samples;
-  std::size_t cols, rows, stride;
-  [[nodiscard]] T* row(std::size_t r) const { return samples + r * stride; }
-};
 
 template <class T>
 void turn(const Patch<T>& patch, bool mirrored, bool south_up) {
@@ -40,42 +33,42 @@ void turn(const Patch<T>& patch, bool mirrored, bool south_up) {
   }
 }
 
-/// What raw samples say by themselves. Limits lie a little inside the largest heights: beyond them, look closely.
+/// Which raw samples the void value stands for. Floats are written and rounded in more than one way, so GDAL takes what is
+/// close to the value for it, by a rule that changes with its versions: it is asked about samples between `low` and `high`.
 template <class T>
-struct RawRule {
-  bool has_nodata = false;
-  T nodata = 0, low = std::numeric_limits<T>::lowest(), high = std::numeric_limits<T>::max();
+struct VoidValue {
+  bool is_stated = false;
+  T value = 0, low = 1, high = 0;
 };
 
 template <class T>
-RawRule<T> raw_rule(const RasterFacts& facts, const Coding& coding) {
-  RawRule<T> rule;
-  if (facts.nodata && !facts.warp) rule.has_nodata = true, rule.nodata = static_cast<T>(*facts.nodata);
-  if (coding.rule != Coding::Rule::raw) return rule;
-  const HeightStep& step = coding.step;
-  const double scale = step.integer ? step.scale / step.divisor : 1, offset = step.integer ? step.offset : 0;
-  const double largest = kLargestHeight / facts.metres_per_unit * (1 - 1e-9);
-  const double a = (-largest - offset) / scale, b = (largest - offset) / scale;
-  const auto held = [](double v) {
-    return static_cast<T>(
-        std::clamp(std::trunc(v), double{std::numeric_limits<T>::lowest()}, double{std::numeric_limits<T>::max()}));
-  };
-  rule.low = held(std::min(a, b));
-  rule.high = held(std::max(a, b));
+VoidValue<T> void_value(const RasterFacts& facts) {
+  VoidValue<T> rule;
+  if (!facts.nodata) return rule;
+  rule.is_stated = true;
+  rule.value = rule.low = rule.high = static_cast<T>(*facts.nodata);
+  if (facts.is_integer()) return rule;
+  const double value = *facts.nodata, around = std::abs(value) * 1e-3 + 1e-6;
+  constexpr double kHuge = 1e30;  // beyond it nothing is a height
+  const double most = std::numeric_limits<T>::max();
+  const auto held = [most](double v) { return static_cast<T>(std::clamp(v, -most, most)); };
+  rule.low = held(value < -kHuge ? -most : value > kHuge ? kHuge : value - around);
+  rule.high = held(value > kHuge ? most : value < -kHuge ? -kHuge : value + around);
   return rule;
 }
 
 /// All data, all heights.
 template <class T>
-bool is_plain(const Patch<T>& patch, const RawRule<T>& rule) {
-  const T nodata = rule.nodata, low = rule.low, high = rule.high;
-  const auto has_nodata = static_cast<Bits<T>>(rule.has_nodata);
+bool is_plain(const Patch<T>& patch, const VoidValue<T>& nodata, const SureHeights<T>& sure) {
+  const T low = sure.low, high = sure.high, void_low = nodata.low, void_high = nodata.high;
+  const auto has_nodata = static_cast<Bits<T>>(nodata.is_stated);
   for (std::size_t r = 0; r < patch.rows; ++r) {
     const T* row = patch.row(r);
     Bits<T> odd = 0;
     for (std::size_t c = 0; c < patch.cols; ++c) {
       const T v = row[c];
-      const auto is_void = static_cast<Bits<T>>(static_cast<Bits<T>>(v == nodata) & has_nodata);
+      const auto is_void = static_cast<Bits<T>>(static_cast<Bits<T>>(v >= void_low) & static_cast<Bits<T>>(v <= void_high) &
+                                                has_nodata);
       const auto is_height = static_cast<Bits<T>>(static_cast<Bits<T>>(v >= low) & static_cast<Bits<T>>(v <= high));
       odd = static_cast<Bits<T>>(odd | is_void | (is_height ^ 1));
     }
@@ -84,105 +77,147 @@ bool is_plain(const Patch<T>& patch, const RawRule<T>& rule) {
   return true;
 }
 
-/// Marks voids in `valid`, which holds the mask, and makes their samples 0.
+/// Marks in `valid` what the samples themselves say: NaN, and the void value to the last bit.
+/// returns whether some are close to the void value
 template <class T>
-void mark_voids(const Patch<T>& patch, const RawRule<T>& rule, const Patch<std::uint8_t>& valid) {
-  const T nodata = rule.nodata;
-  const bool has_nodata = rule.has_nodata;
+bool mark_voids(const Patch<T>& patch, const VoidValue<T>& nodata, const Patch<std::uint8_t>& valid) {
+  const T value = nodata.value, low = nodata.low, high = nodata.high;
+  const bool has_nodata = nodata.is_stated;
+  bool some_are_close = false;
   for (std::size_t r = 0; r < patch.rows; ++r) {
-    T* row = patch.row(r);
+    const T* row = patch.row(r);
     std::uint8_t* ok = valid.row(r);
+    bool close = false;
     for (std::size_t c = 0; c < patch.cols; ++c) {
       const T v = row[c];
-      const bool is_data = !((v == nodata) & has_nodata) & (v == v) & (ok[c] != 0);
+      const bool is_data = !((v == value) & has_nodata) & (v == v) & (ok[c] != 0);
+      close |= is_data & (v >= low) & (v <= high);
       ok[c] = static_cast<std::uint8_t>(is_data);
-      row[c] = is_data ? v : T{0};
     }
+    some_are_close |= close;
+  }
+  return some_are_close && has_nodata;
+}
+
+template <class T>
+void mark_value(const Patch<T>& patch, T value, const Patch<std::uint8_t>& valid) {
+  for (std::size_t r = 0; r < patch.rows; ++r) {
+    const T* row = patch.row(r);
+    std::uint8_t* ok = valid.row(r);
+    for (std::size_t c = 0; c < patch.cols; ++c) ok[c] = static_cast<std::uint8_t>((ok[c] != 0) & (row[c] != value));
   }
 }
+
+/// Where another band is not above 0.
+template <class T>
+void mark_where_not_above_0(const Patch<T>& other, const Patch<std::uint8_t>& valid) {
+  for (std::size_t r = 0; r < valid.rows; ++r) {
+    const T* row = other.row(r);
+    std::uint8_t* ok = valid.row(r);
+    for (std::size_t c = 0; c < valid.cols; ++c) ok[c] = static_cast<std::uint8_t>((ok[c] != 0) & (row[c] > 0));
+  }
+}
+
+template <class T>
+void clear_voids(const Patch<T>& patch, const Patch<std::uint8_t>& valid) {
+  for (std::size_t r = 0; r < patch.rows; ++r) {
+    T* row = patch.row(r);
+    const std::uint8_t* ok = valid.row(r);
+    for (std::size_t c = 0; c < patch.cols; ++c) row[c] = ok[c] != 0 ? row[c] : T{0};
+  }
+}
+
+/// Memory for another band of the same samples.
+template <class T>
+struct Beside {
+  explicit Beside(std::size_t cols, std::size_t rows) : memory(cols * rows), patch{memory.data(), cols, rows, cols} {}
+  std::vector<T> memory;
+  Patch<T> patch;
+};
 
 }  // namespace
 
-RasterSource::RasterSource(const RasterFacts& facts) : facts_(facts), dataset_(open_dataset(facts)) {
+GDALRasterBandH RasterSource::band(int number) const {
   GDALDatasetH dataset = dataset_.get();
-  GDALRasterBandH first = GDALGetRasterCount(dataset) < 1 ? nullptr : GDALGetRasterBand(dataset, 1);
-  if (first == nullptr || GDALGetRasterXSize(dataset) != facts.cols || GDALGetRasterYSize(dataset) != facts.rows ||
-      GDALGetRasterDataType(first) != facts.type) {
-    throw Failure(Cause::io, fmt::format("{} changed while it was being read", facts.name));
-  }
-  band_ = first;
-  if (facts.warp) {
-    warped_ = warp_dataset(dataset, facts);
-    band_ = GDALGetRasterBand(warped_.get(), 1);
-    mask_ = GDALGetRasterBand(warped_.get(), 2);
-  } else if (facts.masked) {
-    mask_ = GDALGetMaskBand(band_);
-  }
+  return number > GDALGetRasterCount(dataset) ? nullptr : GDALGetRasterBand(dataset, number);
 }
 
-void RasterSource::read_raw(GDALRasterBandH band, GDALDataType as, GridRect part, void* samples,
-                            std::size_t row_bytes) const {
+RasterSource::RasterSource(const RasterFacts& facts) : facts_(facts), dataset_(open_dataset(facts)), band_(band(facts.band)) {
+  GDALDatasetH dataset = dataset_.get();
+  const GDALDataType type = facts.decode == ColourCode::none ? facts.type : GDT_Byte;
+  for (const int number : facts.alphas) alphas_.push_back(band(number));
+  if (band_ == nullptr || std::count(alphas_.begin(), alphas_.end(), nullptr) > 0 ||
+      GDALGetRasterXSize(dataset) != facts.cols || GDALGetRasterYSize(dataset) != facts.rows ||
+      GDALGetRasterDataType(band_) != type) {
+    throw Failure(Cause::io, fmt::format("{} changed while it was being read", facts.name), facts.name);
+  }
+  if (facts.masked) mask_ = GDALGetMaskBand(band_);
+  if (facts.nodata && GDALGetMaskFlags(band_) == GMF_NODATA) nodata_mask_ = GDALGetMaskBand(band_);
+}
+
+template <class T>
+void RasterSource::read_band(GDALRasterBandH band, GridRect part, const Patch<T>& samples) const {
   GdalScope gdal;
   const GridRect& place = facts_.place;
   const int cols = static_cast<int>(part.cols()), rows = static_cast<int>(part.rows());
-  const int x = facts_.is_mirrored && !facts_.warp ? place.last.col - part.last.col : part.first.col - place.first.col;
-  const int y = facts_.is_south_up && !facts_.warp ? place.last.row - part.last.row : part.first.row - place.first.row;
-  const CPLErr outcome = GDALRasterIOEx(band, GF_Read, x, y, cols, rows, samples, cols, rows, as, 0,
-                                        static_cast<GSpacing>(row_bytes), nullptr);
-  // Resampling complains of points that have no place in the other CRS, and goes on rightly.
-  if (outcome == CE_None && (facts_.warp || gdal.reason().empty())) return;
-  throw Failure(Cause::io, fmt::format("cannot read columns {} to {}, rows {} to {} of {}{}", x, x + cols - 1, y,
-                                       y + rows - 1, facts_.name, gdal.reason()));
+  const int x = facts_.is_mirrored ? place.last.col - part.last.col : part.first.col - place.first.col;
+  const int y = facts_.is_south_up ? place.last.row - part.last.row : part.first.row - place.first.row;
+  const CPLErr outcome = GDALRasterIOEx(band, GF_Read, x, y, cols, rows, samples.samples, cols, rows, kGdalType<T>, 0,
+                                        static_cast<GSpacing>(samples.stride * sizeof(T)), nullptr);
+  if (outcome != CE_None || !gdal.reason().empty()) {
+    throw Failure(Cause::io,
+                  fmt::format("cannot read columns {} to {}, rows {} to {} of {}{}", x, x + cols - 1, y, y + rows - 1,
+                              facts_.name, gdal.reason()),
+                  facts_.name);
+  }
+  turn(samples, facts_.is_mirrored, facts_.is_south_up);
+}
+
+template <class T>
+void RasterSource::read_samples(GridRect part, const Patch<T>& samples) const {
+  if (facts_.decode == ColourCode::none) return read_band(band_, part, samples);
+  const Beside<std::uint8_t> red(samples.cols, samples.rows), green(samples.cols, samples.rows),
+      blue(samples.cols, samples.rows);
+  read_band(band_, part, red.patch);
+  read_band(band(facts_.band + 1), part, green.patch);
+  read_band(band(facts_.band + 2), part, blue.patch);
+  for (std::size_t r = 0; r < samples.rows; ++r) {
+    for (std::size_t c = 0; c < samples.cols; ++c) {
+      samples.row(r)[c] =
+          static_cast<T>(65536 * int{red.patch.row(r)[c]} + 256 * int{green.patch.row(r)[c]} + int{blue.patch.row(r)[c]});
+    }
+  }
 }
 
 template <class T>
 bool RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size_t stride,
                         const std::function<std::uint8_t*()>& valid_at) const {
   const Patch<T> patch{codes, static_cast<std::size_t>(part.cols()), static_cast<std::size_t>(part.rows()), stride};
-  const bool mirrored = facts_.is_mirrored && !facts_.warp, south_up = facts_.is_south_up && !facts_.warp;
-  read_raw(band_, kGdalType<T>, part, codes, stride * sizeof(T));
-  turn(patch, mirrored, south_up);
+  read_samples(part, patch);
 
-  const RawRule<T> rule = raw_rule<T>(facts_, coding);
-  if (mask_ == nullptr && coding.rule == Coding::Rule::raw && is_plain(patch, rule)) return false;
+  const VoidValue<T> nodata = void_value<T>(facts_);
+  const bool says_only_nodata = mask_ == nullptr && alphas_.empty() && facts_.assumed_voids.empty();
+  if (says_only_nodata && coding.rule == Coding::Rule::raw && is_plain(patch, nodata, sure_heights<T>(facts_, coding)))
+    return false;
   const Patch<std::uint8_t> valid{valid_at(), patch.cols, patch.rows, stride};
   if (mask_ != nullptr) {
-    read_raw(mask_, GDT_Byte, part, valid.samples, stride);
-    turn(valid, mirrored, south_up);
+    read_band(mask_, part, valid);
   } else {
     for (std::size_t r = 0; r < valid.rows; ++r) std::fill_n(valid.row(r), valid.cols, std::uint8_t{1});
   }
-  mark_voids(patch, rule, valid);
-
-  const double largest = kLargestHeight / facts_.metres_per_unit;
-  const bool is_integer = facts_.is_integer();
-  const HeightStep own{facts_.scale, 1, facts_.offset, true}, step = coding.step;
-  const auto value_of = [&](double raw) {
-    if (is_integer) return own.value(raw);
-    const double scaled = raw * facts_.scale;
-    return facts_.offset != 0 ? scaled + facts_.offset : scaled;  // -0.0 + 0 is 0
-  };
-  for (std::size_t r = 0; r < patch.rows; ++r) {
-    T* row = patch.row(r);
-    const std::uint8_t* ok = valid.row(r);
-    for (std::size_t c = 0; c < patch.cols; ++c) {
-      if (ok[c] == 0 || (coding.rule == Coding::Rule::raw && row[c] >= rule.low && row[c] <= rule.high)) continue;
-      const double value = value_of(static_cast<double>(row[c]));
-      if (!(std::abs(value) <= largest)) {
-        throw Failure(
-            Cause::invalid_argument,
-            fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down); "
-                        "if it means no data, declare it: gdal_translate -a_nodata",
-                        facts_.name, value, facts_.vertical_unit,
-                        part.first.col - facts_.place.first.col + static_cast<std::int64_t>(c),
-                        part.first.row - facts_.place.first.row + static_cast<std::int64_t>(r), kLargestHeight));
-      }
-      if (coding.rule == Coding::Rule::value) row[c] = static_cast<T>(value);
-      if (coding.rule == Coding::Rule::rounded) {
-        row[c] = static_cast<T>(std::nearbyint((value - step.offset) * step.divisor / step.scale) + 0.0);
-      }
-    }
+  if (mark_voids(patch, nodata, valid) && nodata_mask_ != nullptr) {
+    const Beside<std::uint8_t> mask(patch.cols, patch.rows);
+    read_band(nodata_mask_, part, mask.patch);
+    mark_where_not_above_0(mask.patch, valid);
   }
+  for (const double value : facts_.assumed_voids) mark_value(patch, static_cast<T>(value), valid);
+  for (GDALRasterBandH alpha : alphas_) {
+    const Beside<float> transparency(patch.cols, patch.rows);
+    read_band(alpha, part, transparency.patch);
+    mark_where_not_above_0(transparency.patch, valid);
+  }
+  clear_voids(patch, valid);
+  code_heights(patch, valid, facts_, coding, {part.first.col - facts_.place.first.col, part.first.row - facts_.place.first.row});
   return true;
 }
 

@@ -4,30 +4,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
+#include "ingest/height_coding.hpp"
 #include "ingest/raster_facts.hpp"
 
 namespace talus {
 
-/// How raw samples become height codes.
-struct Coding {
-  enum class Rule {
-    raw,     ///< a code is the sample
-    value,   ///< a code is the height: scale and offset applied
-    rounded  ///< a code is the height in whole steps, the nearest
-  };
-  Rule rule = Rule::raw;
-  HeightStep step;
-};
-
-/// Samples void by nodata, mask, alpha or NaN have the code 0. South-up and mirrored rasters are turned.
+/// A sample is void by nodata, mask, alpha or NaN, and has the code 0 then. South-up and mirrored rasters are turned.
 class RasterSource {
  public:
-  /// Opens the file again, and what resamples it if it must be.
+  /// Opens the file again.
   /// fails  io: it is no longer what it was; unsupported
   explicit RasterSource(const RasterFacts& facts);
 
-  /// Reads samples of the common grid into `codes`, whose rows are `stride` apart.
+  /// Reads samples of the grid that `facts.place` lies on into `codes`, whose rows are `stride` apart.
   ///
   /// T       int16_t, float or double, one that holds every raw sample and every code
   /// valid   says where which samples are data goes, one byte each, rows as far apart; asked only if some may be void
@@ -40,11 +31,17 @@ class RasterSource {
 
  private:
   RasterFacts facts_;
-  DatasetOwner dataset_, warped_;  // the latter reads from the former
+  DatasetOwner dataset_;
   GDALRasterBandH band_ = nullptr;
-  GDALRasterBandH mask_ = nullptr;  // null where nodata says it all
+  GDALRasterBandH mask_ = nullptr;          // null where there is none, or nodata says it all
+  GDALRasterBandH nodata_mask_ = nullptr;   // what GDAL makes of nodata: cells written with other digits, too
+  std::vector<GDALRasterBandH> alphas_;
 
-  void read_raw(GDALRasterBandH band, GDALDataType as, GridRect part, void* samples, std::size_t row_bytes) const;
+  [[nodiscard]] GDALRasterBandH band(int number) const;
+  template <class T>
+  void read_samples(GridRect part, const Patch<T>& samples) const;
+  template <class T>
+  void read_band(GDALRasterBandH band, GridRect part, const Patch<T>& samples) const;
 };
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,7 +20,7 @@
 #include "ingest/open_rasters.hpp"
 #include "ingest/placement.hpp"
 #include "ingest/raster_facts.hpp"
-#include "ingest/raster_source.hpp"
+#include "ingest/resampled_rasters.hpp"
 #include "storage/checksum.hpp"
 #include "talus/failure.hpp"
 
@@ -228,6 +229,29 @@ struct Kept {
   std::vector<std::uint8_t> valid;  // empty: all
 };
 
+/// A raster laid down, once for each full turn of longitudes at which it meets the grid.
+struct Layer {
+  std::size_t raster;
+  GridRect place;
+  std::int32_t east;  // of where the raster lies otherwise
+
+  [[nodiscard]] GridRect in_raster(GridRect part) const {
+    return {{part.first.col - east, part.first.row}, {part.last.col - east, part.last.row}};
+  }
+};
+
+/// The last on top.
+std::vector<Layer> layers_of(const std::vector<RasterFacts>& rasters, bool finer_on_top) {
+  std::vector<Layer> layers;
+  for (const std::size_t i : order_of(rasters, finer_on_top)) {
+    const GridRect& place = rasters[i].place;
+    layers.push_back({i, place, 0});
+    for (const std::int32_t east : rasters[i].also_east)
+      layers.push_back({i, {{place.first.col + east, place.first.row}, {place.last.col + east, place.last.row}}, east});
+  }
+  return layers;
+}
+
 }  // namespace
 
 /// What is known of all inputs, the same for every reader of them.
@@ -235,7 +259,7 @@ struct Source::Plan {
   Description description;
   Types types;
   std::vector<RasterFacts> rasters;
-  std::vector<std::size_t> order;  // the last is on top
+  std::vector<Layer> layers;  // the last is on top
   std::vector<InputFile> inputs;
   std::vector<std::string> notes;
 };
@@ -245,17 +269,21 @@ struct Source::Reader {
 
   const Plan& plan;
   mutable OpenRasters open;
+  mutable ResampledRasters resampled;
   mutable std::uint64_t compared = 0, different = 0;
   mutable double largest_m = 0;
   mutable GridPoint at{};
-  mutable std::size_t covering = 0;
+  mutable std::size_t covering = 0;  // the layer on top there
 
   template <class T>
   void lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const;
   template <class T>
   void restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own, std::size_t layer) const;
   void note_difference(GridPoint p, double metres, std::size_t layer) const;
-  [[nodiscard]] std::optional<double> height_at(std::size_t raster, GridPoint p) const;
+  /// As RasterSource::read; `part` of the common grid, within the layer's place.
+  template <class T>
+  bool read(const Layer& layer, GridRect part, T* codes, std::size_t stride, const std::function<std::uint8_t*()>& valid) const;
+  [[nodiscard]] std::optional<double> height_at(const Layer& layer, GridPoint p) const;
 };
 
 namespace {
@@ -293,7 +321,17 @@ void Source::Reader::note_difference(GridPoint p, double metres, std::size_t lay
   if (!is_first && (metres < largest_m || (metres == largest_m && !is_earlier))) return;
   largest_m = metres;
   at = p;
-  covering = plan.order[layer];
+  covering = layer;
+}
+
+template <class T>
+bool Source::Reader::read(const Layer& layer, GridRect part, T* codes, std::size_t stride,
+                          const std::function<std::uint8_t*()>& valid) const {
+  const RasterFacts& facts = plan.rasters[layer.raster];
+  const Coding coding{plan.types.rule, plan.types.step};
+  if (!facts.warp) return open.get(layer.raster).read(layer.in_raster(part), coding, codes, stride, valid);
+  resampled.read(facts, layer.in_raster(part), coding, codes, stride, valid);
+  return true;
 }
 
 /// Where the raster just laid down is void the earlier height returns; where both are data they are compared.
@@ -322,11 +360,11 @@ void Source::Reader::restore(const Kept<T>& kept, Window& window, std::vector<T>
 
 template <class T>
 void Source::Reader::lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const {
-  const std::size_t index = plan.order[layer];
-  const GridRect rect = common(plan.rasters[index].place, window.region);
+  const Layer& laid = plan.layers[layer];
+  const GridRect rect = common(laid.place, window.region);
   std::vector<GridRect> overlaps;
   for (std::size_t below = 0; below < layer; ++below) {
-    const GridRect other = plan.rasters[plan.order[below]].place;
+    const GridRect other = plan.layers[below].place;
     if (meet(other, rect)) add_piece(overlaps, common(other, rect));
   }
   std::vector<Kept<T>> kept;
@@ -341,22 +379,37 @@ void Source::Reader::lay(std::size_t layer, Window& window, std::vector<T>& code
     }
     return window.valid.data() + at_first;
   };
-  const bool may_be_void = open.get(index).read(rect, {plan.types.rule, plan.types.step}, codes.data() + at_first,
-                                                static_cast<std::size_t>(window.region.cols()), valid_at);
+  const bool may_be_void =
+      read(laid, rect, codes.data() + at_first, static_cast<std::size_t>(window.region.cols()), valid_at);
   if (!may_be_void && !window.valid.empty()) set_all_valid(window, rect);
   for (const Kept<T>& k : kept) restore(k, window, codes, own, layer);
 }
 
 Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options) {
-  InputList list = list_inputs(inputs, options.allow_drivers);
+  InputList list = list_inputs(inputs, options);
   const auto made = std::make_shared<Plan>();
   Plan& plan = *made;
   plan.notes = std::move(list.notes);
-  for (const fs::path& file : list.files) plan.rasters.push_back(look_at(file, options));
+  std::vector<std::string> broken;
+  for (const fs::path& file : list.files) {
+    AdmittedRaster input;
+    try {
+      input = open_input(file, options);
+    } catch (const Failure& f) {
+      if (!options.skip_broken || f.cause() == Cause::invalid_argument) throw;
+      broken.push_back(f.what());
+      continue;
+    }
+    plan.rasters.push_back(look_at(std::move(input), file, options));
+  }
+  if (plan.rasters.empty()) {
+    throw Failure(Cause::unsupported, fmt::format("no input can be opened; the first: {}", broken.front()), list.files.front());
+  }
+  for (const std::string& why : broken) plan.notes.push_back("left out: " + why);
 
   const Placement placement = place_on_one_grid(plan.rasters, options);
   plan.types = types_of(plan.rasters, options);
-  plan.order = order_of(plan.rasters, options.priority_resolution);
+  plan.layers = layers_of(plan.rasters, options.priority_resolution);
   gather_notes(plan.rasters, plan.notes);
   plan.notes.insert(plan.notes.end(), placement.notes.begin(), placement.notes.end());
   for (const RasterFacts& raster : plan.rasters) plan.inputs.push_back(as_input(raster));
@@ -410,8 +463,8 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
   resize(window.codes, plan_->types.width, samples);
   window.valid.clear();
   std::vector<GridRect> covered;
-  for (const RasterFacts& raster : plan_->rasters) {
-    if (meet(raster.place, part)) add_piece(covered, common(raster.place, part));
+  for (const Layer& layer : plan_->layers) {
+    if (meet(layer.place, part)) add_piece(covered, common(layer.place, part));
   }
   std::int64_t area = 0;
   for (const GridRect& piece : covered) area += piece.samples();
@@ -420,8 +473,8 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
     std::visit([](auto& codes) { std::fill(codes.begin(), codes.end(), 0); }, window.codes);
   }
 
-  for (std::size_t layer = 0; layer < plan_->order.size(); ++layer) {
-    if (!meet(plan_->rasters[plan_->order[layer]].place, part)) continue;
+  for (std::size_t layer = 0; layer < plan_->layers.size(); ++layer) {
+    if (!meet(plan_->layers[layer].place, part)) continue;
     std::visit([&](auto& codes) { reader_->lay(layer, window, codes, own); }, window.codes);
   }
   if (!window.valid.empty() && std::memchr(window.valid.data(), 0, window.valid.size()) == nullptr) {
@@ -430,8 +483,8 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
 }
 
 bool Source::touches(GridRect part) const {
-  return std::any_of(plan_->rasters.begin(), plan_->rasters.end(),
-                     [&](const RasterFacts& raster) { return meet(raster.place, part); });
+  return std::any_of(plan_->layers.begin(), plan_->layers.end(),
+                     [&](const Layer& layer) { return meet(layer.place, part); });
 }
 
 std::uint64_t Source::block_bytes() const {
@@ -440,14 +493,14 @@ std::uint64_t Source::block_bytes() const {
   return largest;
 }
 
-std::optional<double> Source::Reader::height_at(std::size_t raster, GridPoint p) const {
-  if (!plan.rasters[raster].place.contains(p)) return std::nullopt;
+std::optional<double> Source::Reader::height_at(const Layer& layer, GridPoint p) const {
+  if (!layer.place.contains(p)) return std::nullopt;
   Codes codes;
   resize(codes, plan.types.width, 1);
   return std::visit(
       [&](auto& one) -> std::optional<double> {
         std::uint8_t valid = 1;
-        open.get(raster).read({p, p}, {plan.types.rule, plan.types.step}, one.data(), 1, [&] { return &valid; });
+        read(layer, {p, p}, one.data(), 1, [&] { return &valid; });
         if (valid == 0) return std::nullopt;
         return plan.types.step.value(static_cast<double>(one.front()));
       },
@@ -465,11 +518,10 @@ SeamReport Source::seams() const {
   report.at = reader.at;
   report.x = plan.description.mapping.x(report.at.col);
   report.y = plan.description.mapping.y(report.at.row);
-  report.covering = plan.inputs[reader.covering].name;
-  const auto layer = std::find(plan.order.begin(), plan.order.end(), reader.covering) - plan.order.begin();
-  for (std::ptrdiff_t below = layer - 1; below >= 0 && report.covered.empty(); --below) {
-    const std::size_t raster = plan.order[static_cast<std::size_t>(below)];
-    if (reader.height_at(raster, report.at)) report.covered = plan.inputs[raster].name;
+  report.covering = plan.inputs[plan.layers[reader.covering].raster].name;
+  for (std::size_t below = reader.covering; below-- > 0 && report.covered.empty();) {
+    const Layer& layer = plan.layers[below];
+    if (reader.height_at(layer, report.at)) report.covered = plan.inputs[layer.raster].name;
   }
   return report;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include <cpl_string.h>
@@ -31,13 +30,19 @@ struct FreeWarpOptions {
   void operator()(GDALWarpOptions* options) const { GDALDestroyWarpOptions(options); }
 };
 
-[[noreturn]] void refuse(const RasterFacts& facts, const GdalScope& gdal) {
+std::string name_of(const LaidRasters& laid) {
+  const std::string& first = laid.members.front().name;
+  return laid.members.size() == 1 ? first : fmt::format("{} and {} more", first, laid.members.size() - 1);
+}
+
+[[noreturn]] void refuse(const LaidRasters& laid, const GdalScope& gdal) {
   throw Failure(Cause::unsupported,
-                fmt::format("{} cannot be resampled to the target grid{}", facts.name, gdal.reason()));
+                fmt::format("{} cannot be resampled to the target grid{}", name_of(laid), gdal.reason()),
+                laid.members.front().name);
 }
 
 // From the source's cells to the target's coordinates, or to its cells once they are known.
-Transformer transformer_of(GDALDatasetH source, const RasterFacts& facts, const std::string& source_crs,
+Transformer transformer_of(GDALDatasetH source, const LaidRasters& laid, const std::string& source_crs,
                            const std::string& target_crs, const GdalScope& gdal) {
   CPLStringList options;
   if (source_crs != target_crs) {
@@ -49,7 +54,7 @@ Transformer transformer_of(GDALDatasetH source, const RasterFacts& facts, const 
     options.SetNameValue("DST_SRS", "");
   }
   Transformer transformer{GDALCreateGenImgProjTransformer2(source, nullptr, options.List())};
-  if (!transformer) refuse(facts, gdal);
+  if (!transformer) refuse(laid, gdal);
   return transformer;
 }
 
@@ -58,9 +63,9 @@ std::array<double, 6> geotransform_of(const GridMapping& m, GridPoint first) {
 }
 
 // The target's own text where it is the same CRS: then nothing is transformed.
-std::string source_crs_of(const RasterFacts& facts, const std::string& target_crs) {
-  if (facts.crs_wkt.empty()) return facts.crs_wkt;
-  const std::string flat = wkt_of(horizontal(crs_from(facts.crs_wkt)), facts.name);
+std::string source_crs_of(const LaidRasters& laid, const std::string& target_crs) {
+  if (laid.crs_wkt.empty()) return laid.crs_wkt;
+  const std::string flat = wkt_of(horizontal(crs_from(laid.crs_wkt)), name_of(laid));
   return same_crs(flat, target_crs) ? target_crs : flat;
 }
 
@@ -70,29 +75,68 @@ struct Suggestion {
   int cols = 0, rows = 0;
 };
 
-Suggestion suggestion_of(const RasterFacts& facts, const std::string& source_crs, const std::string& target_crs) {
+Suggestion suggestion_of(const LaidRasters& laid, GridRect part, const std::string& source_crs, const std::string& target_crs) {
   GdalScope gdal;
-  const DatasetOwner source = open_dataset(facts);
-  const Transformer transformer = transformer_of(source.get(), facts, source_crs, target_crs, gdal);
+  const DatasetOwner source = open_laid(laid, part);
+  const Transformer transformer = transformer_of(source.get(), laid, source_crs, target_crs, gdal);
   Suggestion suggestion;
   if (GDALSuggestedWarpOutput2(source.get(), GDALGenImgProjTransform, transformer.get(), suggestion.geotransform.data(),
                                &suggestion.cols, &suggestion.rows, suggestion.extent.data(), 0) != CE_None) {
-    refuse(facts, gdal);
+    refuse(laid, gdal);
   }
   return suggestion;
 }
 
-GDALDataType type_of_result(const RasterFacts& facts, GDALResampleAlg method) {
-  if (method == GRA_NearestNeighbour) return facts.type;
-  const bool fits_float =
-      facts.type == GDT_Byte || facts.type == GDT_Int16 || facts.type == GDT_UInt16 || facts.type == GDT_Float32;
+GDALDataType type_of_result(GDALDataType type, GDALResampleAlg method) {
+  if (method == GRA_NearestNeighbour) return type;
+  const bool fits_float = type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16 || type == GDT_Float32;
   return fits_float ? GDT_Float32 : GDT_Float64;
 }
 
-double* one_value(double value) {
-  auto* values = static_cast<double*>(CPLMalloc(sizeof(double)));
-  *values = value;
-  return values;
+DatasetOwner warped_band(GDALDatasetH source, int band, GDALResampleAlg method, GDALDataType type, const LaidRasters& laid) {
+  GdalScope gdal;
+  const int cols = static_cast<int>(laid.place.cols()), rows = static_cast<int>(laid.place.rows());
+  std::array<double, 6> geotransform = geotransform_of(laid.target, laid.place.first);
+
+  std::unique_ptr<GDALWarpOptions, FreeWarpOptions> options{GDALCreateWarpOptions()};
+  options->hSrcDS = source;
+  options->eResampleAlg = method;
+  options->eWorkingDataType = type;
+  options->dfWarpMemoryLimit = kWarpMemory;
+  options->nBandCount = 1;
+  options->panSrcBands = static_cast<int*>(CPLMalloc(sizeof(int)));
+  options->panDstBands = static_cast<int*>(CPLMalloc(sizeof(int)));
+  options->panSrcBands[0] = band;
+  options->panDstBands[0] = 1;
+  options->nDstAlphaBand = 2;
+  // Every block by one and the same scale: GDAL would otherwise take that of the block.
+  CPLStringList words;
+  words.SetNameValue("INIT_DEST", "0");
+  words.SetNameValue("XSCALE", fmt::format("{}", laid.x_scale).c_str());
+  words.SetNameValue("YSCALE", fmt::format("{}", laid.y_scale).c_str());
+  options->papszWarpOptions = words.StealList();
+
+  Transformer transformer = transformer_of(source, laid, laid.source_crs, laid.target_crs, gdal);
+  GDALSetGenImgProjTransformerDstGeoTransform(transformer.get(), geotransform.data());
+  options->pfnTransformer = GDALGenImgProjTransform;
+  if (laid.source_crs != laid.target_crs) {
+    void* approximate = GDALCreateApproxTransformer(GDALGenImgProjTransform, transformer.get(), kTransformTolerance);
+    if (approximate == nullptr) refuse(laid, gdal);
+    GDALApproxTransformerOwnsSubtransformer(approximate, TRUE);
+    static_cast<void>(transformer.release());
+    transformer.reset(approximate);
+    options->pfnTransformer = GDALApproxTransform;
+  }
+  options->pTransformerArg = transformer.get();
+
+  // Owns the transformer from here on, and a reference to the source.
+  DatasetOwner warped{GDALCreateWarpedVRT(source, cols, rows, geotransform.data(), options.get())};
+  if (!warped) refuse(laid, gdal);
+  static_cast<void>(transformer.release());
+  if (GDALGetRasterCount(warped.get()) != 2 || GDALGetRasterDataType(GDALGetRasterBand(warped.get(), 1)) != type) {
+    refuse(laid, gdal);
+  }
+  return warped;
 }
 
 }  // namespace
@@ -106,21 +150,15 @@ GDALResampleAlg resampling_of(const std::string& word) {
                 fmt::format("--resampling {}: expected near, bilinear, cubic or average", word));
 }
 
-GridMapping suggested_grid(const RasterFacts& facts, const std::string& target_crs) {
-  const Suggestion s = suggestion_of(facts, source_crs_of(facts, target_crs), target_crs);
+GridMapping suggested_grid(const LaidRasters& laid, const std::string& target_crs) {
+  const Suggestion s = suggestion_of(laid, laid.extent, source_crs_of(laid, target_crs), target_crs);
   const std::array<double, 6>& t = s.geotransform;
   return {t[0] + 0.5 * t[1], t[3] + 0.5 * t[5], t[1], t[5]};
 }
 
-Warp plan_warp(const RasterFacts& facts, const std::string& target_crs, const GridMapping& target,
-               GDALResampleAlg method) {
-  Warp warp;
-  warp.source_crs = source_crs_of(facts, target_crs);
-  warp.target_crs = target_crs;
-  warp.target = target;
-  warp.method = method;
-  warp.type = type_of_result(facts, method);
-  const Suggestion s = suggestion_of(facts, warp.source_crs, target_crs);
+GridRect place_of(const LaidRasters& laid, GridRect part) {
+  const GridMapping& target = laid.target;
+  const Suggestion s = suggestion_of(laid, part, laid.source_crs, laid.target_crs);
   // Samples that stand inside the raster; one on its edge counts.
   constexpr double kOnTheEdge = 1e-6;
   const double west = std::ceil((s.extent[0] - target.x0) / target.dx - kOnTheEdge);
@@ -132,65 +170,32 @@ Warp plan_warp(const RasterFacts& facts, const std::string& target_crs, const Gr
     throw Failure(Cause::invalid_argument,
                   fmt::format("{} would take columns {} to {}, rows {} to {} of the target grid; at most {} a side can "
                               "be taken in: choose larger cells with --tr",
-                              facts.name, west, east, north, south, kMaxExtent));
+                              name_of(laid), west, east, north, south, kMaxExtent),
+                  laid.members.front().name);
   }
   if (west > east || north > south) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} is smaller than a cell of the target grid: choose smaller cells with --tr", facts.name));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} is smaller than a cell of the target grid: choose smaller cells with --tr", name_of(laid)),
+                  laid.members.front().name);
   }
-  warp.place = {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
-                {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};
-  return warp;
+  return {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
+          {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};
 }
 
-DatasetOwner warp_dataset(GDALDatasetH source, const RasterFacts& facts) {
-  GdalScope gdal;
-  const Warp& warp = *facts.warp;
-  const int cols = static_cast<int>(warp.place.cols()), rows = static_cast<int>(warp.place.rows());
-  std::array<double, 6> geotransform = geotransform_of(warp.target, warp.place.first);
+void plan_warp(LaidRasters& laid, const std::string& target_crs, const GridMapping& target, GDALResampleAlg method) {
+  laid.source_crs = source_crs_of(laid, target_crs);
+  laid.target_crs = target_crs;
+  laid.target = target;
+  laid.method = method;
+  laid.type_of_result = type_of_result(laid.type, method);
+  laid.place = place_of(laid, laid.extent);
+  laid.x_scale = static_cast<double>(laid.place.cols()) / static_cast<double>(laid.extent.cols());
+  laid.y_scale = static_cast<double>(laid.place.rows()) / static_cast<double>(laid.extent.rows());
+}
 
-  std::unique_ptr<GDALWarpOptions, FreeWarpOptions> options{GDALCreateWarpOptions()};
-  options->hSrcDS = source;
-  options->eResampleAlg = warp.method;
-  options->eWorkingDataType = warp.type;
-  options->dfWarpMemoryLimit = kWarpMemory;
-  options->nBandCount = 1;
-  options->panSrcBands = static_cast<int*>(CPLMalloc(sizeof(int)));
-  options->panDstBands = static_cast<int*>(CPLMalloc(sizeof(int)));
-  options->panSrcBands[0] = options->panDstBands[0] = 1;
-  options->nDstAlphaBand = 2;
-  const bool is_float = facts.type == GDT_Float32 || facts.type == GDT_Float64;
-  if (!facts.masked && (facts.nodata || is_float)) {
-    options->padfSrcNoDataReal = one_value(facts.nodata.value_or(std::numeric_limits<double>::quiet_NaN()));
-  }
-  // Every block by one and the same scale: GDAL would otherwise take that of the block.
-  CPLStringList words;
-  words.SetNameValue("INIT_DEST", "0");
-  words.SetNameValue("XSCALE", fmt::format("{}", static_cast<double>(cols) / facts.cols).c_str());
-  words.SetNameValue("YSCALE", fmt::format("{}", static_cast<double>(rows) / facts.rows).c_str());
-  options->papszWarpOptions = words.StealList();
-
-  Transformer transformer = transformer_of(source, facts, warp.source_crs, warp.target_crs, gdal);
-  GDALSetGenImgProjTransformerDstGeoTransform(transformer.get(), geotransform.data());
-  options->pfnTransformer = GDALGenImgProjTransform;
-  if (warp.source_crs != warp.target_crs) {
-    void* approximate = GDALCreateApproxTransformer(GDALGenImgProjTransform, transformer.get(), kTransformTolerance);
-    if (approximate == nullptr) refuse(facts, gdal);
-    GDALApproxTransformerOwnsSubtransformer(approximate, TRUE);
-    static_cast<void>(transformer.release());
-    transformer.reset(approximate);
-    options->pfnTransformer = GDALApproxTransform;
-  }
-  options->pTransformerArg = transformer.get();
-
-  // Owns the transformer from here on, and a reference to the source.
-  DatasetOwner warped{GDALCreateWarpedVRT(source, cols, rows, geotransform.data(), options.get())};
-  if (!warped) refuse(facts, gdal);
-  static_cast<void>(transformer.release());
-  if (GDALGetRasterCount(warped.get()) != 2 || GDALGetRasterDataType(GDALGetRasterBand(warped.get(), 1)) != warp.type) {
-    refuse(facts, gdal);
-  }
+WarpedBands warp_dataset(GDALDatasetH source, const LaidRasters& laid) {
+  WarpedBands warped{warped_band(source, 1, laid.method, laid.type_of_result, laid), {}};
+  if (laid.members.size() > 1) warped.owners = warped_band(source, 2, GRA_NearestNeighbour, GDT_Int32, laid);
   return warped;
 }
 

@@ -1,10 +1,9 @@
 #pragma once
 // Rasters on another grid than their own, by GDAL's warper.
 
-#include <optional>
 #include <string>
 
-#include "ingest/raster_facts.hpp"
+#include "ingest/laid_rasters.hpp"
 
 namespace talus {
 
@@ -12,18 +11,24 @@ namespace talus {
 /// fails  invalid_argument: another word
 [[nodiscard]] GDALResampleAlg resampling_of(const std::string& word);
 
-/// Cell sizes and a north-west sample that suit the raster in that CRS (WKT, without heights).
+/// Cell sizes and a north-west sample that suit the rasters in that CRS (WKT, without heights).
 /// fails  unsupported: GDAL cannot get there
-[[nodiscard]] GridMapping suggested_grid(const RasterFacts& facts, const std::string& target_crs);
+[[nodiscard]] GridMapping suggested_grid(const LaidRasters& laid, const std::string& target_crs);
 
-/// What resamples this raster to the target.
+/// Fills in how the rasters get to the target.
 /// fails  unsupported: GDAL cannot get there, or only by guessing a datum; invalid_argument: too many cells, or none
-[[nodiscard]] Warp plan_warp(const RasterFacts& facts, const std::string& target_crs, const GridMapping& target,
-                             GDALResampleAlg method);
+void plan_warp(LaidRasters& laid, const std::string& target_crs, const GridMapping& target, GDALResampleAlg method);
 
-/// Band 1 holds samples of facts.warp->place, band 2 is not 0 where they are data. Nothing is read until a
-/// window is; blocks are computed one by one and always the same, within 32 MiB.
-/// source  the open raster, which must live on
-[[nodiscard]] DatasetOwner warp_dataset(GDALDatasetH source, const RasterFacts& facts);
+/// The samples of the target that can come from a part of the laid rasters.
+/// fails  as plan_warp
+[[nodiscard]] GridRect place_of(const LaidRasters& laid, GridRect part);
+
+/// Samples of laid.place, from a dataset of open_laid over all of it. Nothing is read until a window is; blocks are computed one
+/// by one and always the same, within 32 MiB. `source` must live on.
+struct WarpedBands {
+  DatasetOwner heights;  ///< band 1, and band 2, which is not 0 where they are data
+  DatasetOwner owners;   ///< band 1: the member whose cell is nearest, counted from 1; null where there is one only
+};
+[[nodiscard]] WarpedBands warp_dataset(GDALDatasetH source, const LaidRasters& laid);
 
 }  // namespace talus

@@ -26,9 +26,25 @@ struct Grid {
 };
 [[nodiscard]] Grid grid_of(const Description& description);
 
+/// Rasters that write heights as the colours of a picture.
+enum class ColourCode : std::uint8_t {
+  none,         ///< colours are refused
+  terrain_rgb,  ///< height = (red · 65536 + green · 256 + blue) · 0.1 − 10000 metres
+  terrarium,    ///< height = (red · 256 + green + blue / 256) − 32768 metres
+};
+
 /// How inputs are read.
 struct InputOptions {
   std::vector<std::string> allow_drivers;  ///< GDAL drivers that may open files, beyond those Talus trusts
+  /// Folders whose files virtual rasters and symbolic links may lead to, beside the folder they lie in themselves.
+  std::vector<std::filesystem::path> allow_outside;
+  bool recursive = false;    ///< a folder stands for the rasters in its subfolders, too
+  bool skip_broken = false;  ///< leave out inputs that cannot be opened, and say so; without it one is a failure
+  int band = 0;              ///< the band that holds the heights, from 1; 0: the first that is not alpha
+  std::string variable;      ///< of netCDF files with several; empty: the only one
+  /// Values that mean no data in inputs that declare none. A sample type that cannot hold one has none of it.
+  std::vector<double> nodata;
+  ColourCode decode = ColourCode::none;
   std::string srs;            ///< the CRS of inputs, said from outside: EPSG:…, WKT or PROJ; empty: what they state
   std::string vertical_unit;  ///< of inputs, said from outside: metre, foot, us-survey-foot, km, dm, cm, mm
   /// Resample inputs that are not on it to this grid: any of CRS, cell size in its units (both or none), and
