@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include <cpl_conv.h>
+#include <dlfcn.h>
 #include <gdal.h>
 
 namespace talus {
@@ -34,6 +35,13 @@ void GdalScope::remember(CPLErr severity, CPLErrorNum, const char* words) {
   for (char* c = buffer; *c != '\0'; ++c) {
     if (*c == '\n' || *c == '\r') *c = ' ';  // a failure is one line
   }
+}
+
+void quiet_hdf5() {
+  // GDAL brings the library, of whatever version it was built with, and no header of it is needed for one call.
+  using SetAuto = int (*)(std::int64_t stack, void* function, void* data);
+  static const auto set_auto = reinterpret_cast<SetAuto>(::dlsym(RTLD_DEFAULT, "H5Eset_auto2"));
+  if (set_auto != nullptr) set_auto(0, nullptr, nullptr);
 }
 
 RasterCache::RasterCache(std::uint64_t bytes) : before_(GDALGetCacheMax64()) {

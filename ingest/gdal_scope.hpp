@@ -37,6 +37,9 @@ class GdalScope {
   std::array<char, 400> words_{};  // fixed: the handler runs inside C frames and must not throw
 };
 
+/// HDF5, which reads newer netCDF files, prints pages of what it looked for in vain: no more on this thread.
+void quiet_hdf5();
+
 /// While it lives, GDAL keeps at most so many bytes of decoded blocks; what the host had set returns.
 class RasterCache {
  public:

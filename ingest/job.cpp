@@ -341,6 +341,8 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
   report.description = job.description;
   report.notes = source.notes();
   if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);
+  for (std::string& doubt : source.doubts(report.description.minimum, report.description.maximum))
+    report.notes.push_back(std::move(doubt));
   return report;
 }
 

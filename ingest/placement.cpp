@@ -179,6 +179,15 @@ void require_positions(const std::vector<RasterFacts>& rasters) {
   }
 }
 
+/// What GDAL says of a part and of the whole differs by a cell or so at the edges; whose a sample is tells the nearest cell.
+GridRect place_of_member(const LaidRasters& laid, GridRect member) {
+  if (laid.members.size() == 1) return laid.place;
+  constexpr std::int32_t kAround = 2;
+  const GridRect place = place_of(laid, member), &all = laid.place;
+  return {{std::max(place.first.col - kAround, all.first.col), std::max(place.first.row - kAround, all.first.row)},
+          {std::min(place.last.col + kAround, all.last.col), std::min(place.last.row + kAround, all.last.row)}};
+}
+
 /// Plans how sets of rasters get to the target; only those of which one has to.
 void resample(const std::vector<RasterFacts*>& rasters, std::vector<LaidRasters>& laid, const Target& target,
               GDALResampleAlg method) {
@@ -197,7 +206,7 @@ void resample(const std::vector<RasterFacts*>& rasters, std::vector<LaidRasters>
     for (RasterFacts* raster : ours) {
       const auto member = std::find_if(shared->members.begin(), shared->members.end(),
                                        [&](const RasterFacts& m) { return m.file == raster->file; });
-      Warp warp{shared, static_cast<int>(member - shared->members.begin()), place_of(*shared, member->place)};
+      Warp warp{shared, static_cast<int>(member - shared->members.begin()), place_of_member(*shared, member->place)};
       raster->place = warp.place;
       raster->scale = shared->scale;
       raster->offset = shared->offset;

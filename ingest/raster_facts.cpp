@@ -228,7 +228,9 @@ void take_voids(GDALRasterBandH band, const InputOptions& options, RasterFacts& 
     kinds.push_back(fmt::format("{}", value));
   } else {
     for (const double said : options.nodata) {
-      const std::optional<double> sample = as_sample(said, facts.type);
+      // Of colours nobody knows the number, but the height.
+      const double raw = facts.decode == ColourCode::none ? said : std::round((said - facts.offset) / facts.scale);
+      const std::optional<double> sample = as_sample(raw, facts.type);
       if (!sample) continue;
       if (!std::isnan(*sample)) facts.assumed_voids.push_back(*sample);
       kinds.push_back(fmt::format("{}", said));
@@ -349,6 +351,7 @@ std::uint64_t largest_block(GDALDatasetH dataset, const InputOptions& options) {
 
 DatasetOwner open_dataset(const RasterFacts& facts) {
   GdalScope gdal;
+  if (is_of_hdf5(facts.driver)) quiet_hdf5();
   const std::array<const char*, 2> only{facts.driver.c_str(), nullptr};
   DatasetOwner dataset{GDALOpenEx(name_to_open(facts.file, facts.driver, facts.variable).c_str(),
                                   GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr)};
@@ -415,6 +418,12 @@ RasterFacts look_at(AdmittedRaster input, const fs::path& file, const InputOptio
     facts.offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, facts.name);
     take_colour_code(facts);
     take_voids(band, options, facts);
+    if (input.interpolates && (facts.masked || !facts.alphas.empty())) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} is a virtual raster that interpolates its sources, and what is transparent or masked in them "
+                                "would change the heights beside it; name its sources instead, and say how to resample them",
+                                facts.name));
+    }
     return facts;
   });
 }

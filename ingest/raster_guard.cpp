@@ -148,7 +148,7 @@ class Guard {
     seen_.insert(real);
     if (driver == "VRT") check_vrt(real);
     check_side_files(real);
-    AdmittedRaster raster{real, driver, {}, open(real, driver, "")};
+    AdmittedRaster raster{real, driver, {}, open(real, driver, ""), interpolates_};
     if (raster.dataset) choose_variable(raster, file);
     return raster;
   }
@@ -203,6 +203,7 @@ class Guard {
 
   // An overview file that the metadata names may lie anywhere.
   static DatasetOwner open(const fs::path& file, const std::string& driver, const std::string& variable) {
+    if (is_of_hdf5(driver)) quiet_hdf5();
     const std::array<const char*, 2> only{driver.c_str(), nullptr};
     DatasetOwner dataset{GDALOpenEx(name_to_open(file, driver, variable).c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
@@ -314,6 +315,8 @@ class Guard {
   }
 
   void check_source(const fs::path& vrt, const CPLXMLNode& source) {
+    const char* resampling = CPLGetXMLValue(&source, "resampling", "nearest");
+    interpolates_ |= !is_one_of(resampling, {"near", "nearest"});
     for (const CPLXMLNode* node = source.psChild; node != nullptr; node = node->psNext) {
       if (EQUAL(node->pszValue, "SourceFilename")) {
         check_source_name(vrt, *node);
@@ -360,6 +363,7 @@ class Guard {
   const InputOptions& options_;
   std::vector<const char*> drivers_;  // that may open files; ends in null
   std::set<fs::path> seen_;
+  bool interpolates_ = false;
   std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
 };
 
@@ -385,6 +389,10 @@ bool may_lead_to(const fs::path& file, const fs::path& folder, const InputOption
     return !error && lies_below(real, place);
   };
   return is_below(folder) || std::any_of(options.allow_outside.begin(), options.allow_outside.end(), is_below);
+}
+
+bool is_of_hdf5(const std::string& driver) {
+  return is_one_of(driver.c_str(), {"netCDF", "HDF5", "HDF5Image", "BAG", "KEA"});
 }
 
 std::string name_to_open(const fs::path& file, const std::string& driver, const std::string& variable) {

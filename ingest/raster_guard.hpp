@@ -22,6 +22,7 @@ struct AdmittedRaster {
   std::string driver;          ///< the one GDAL driver to open it with
   std::string variable;        ///< of a file that holds several rasters; empty: the file holds one
   DatasetOwner dataset;        ///< opened to be looked at; null where GDAL could not
+  bool interpolates = false;   ///< a virtual raster that resamples its sources otherwise than by the nearest sample
 };
 
 /// fails  not_found; unsupported: no local file, a driver not on the list, a virtual raster that reaches out, several
@@ -33,6 +34,9 @@ struct AdmittedRaster {
 
 /// Whether a file lies below a folder or one of those the user allows; symbolic links count by what they lead to.
 [[nodiscard]] bool may_lead_to(const std::filesystem::path& file, const std::filesystem::path& folder, const InputOptions& options);
+
+/// Whether a driver reads by way of HDF5, see quiet_hdf5.
+[[nodiscard]] bool is_of_hdf5(const std::string& driver);
 
 /// What GDAL opens an admitted raster by.
 [[nodiscard]] std::string name_to_open(const std::filesystem::path& file, const std::string& driver, const std::string& variable);

@@ -21,6 +21,7 @@
 #include "ingest/placement.hpp"
 #include "ingest/raster_facts.hpp"
 #include "ingest/resampled_rasters.hpp"
+#include "ingest/void_doubts.hpp"
 #include "storage/checksum.hpp"
 #include "talus/failure.hpp"
 
@@ -274,6 +275,7 @@ struct Source::Reader {
   mutable double largest_m = 0;
   mutable GridPoint at{};
   mutable std::size_t covering = 0;  // the layer on top there
+  mutable ZeroEdges zero_edges;
 
   template <class T>
   void lay(std::size_t layer, Window& window, std::vector<T>& codes, GridRect own) const;
@@ -480,6 +482,11 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
   if (!window.valid.empty() && std::memchr(window.valid.data(), 0, window.valid.size()) == nullptr) {
     window.valid.clear();
   }
+  const HeightStep& step = plan_->types.step;
+  if (!step.integer || step.offset == 0) {
+    const double scale = step.integer ? step.scale / step.divisor : 1;
+    count_zero_edges(window, common(own, part), scale * plan_->description.metres_per_unit, reader_->zero_edges);
+  }
 }
 
 bool Source::touches(GridRect part) const {
@@ -524,6 +531,10 @@ SeamReport Source::seams() const {
     if (reader.height_at(layer, report.at)) report.covered = plan.inputs[layer.raster].name;
   }
   return report;
+}
+
+std::vector<std::string> Source::doubts(double minimum, double maximum) const {
+  return void_doubts(minimum, maximum, reader_->zero_edges, plan_->description.vertical_unit);
 }
 
 SeamReport joined(const SeamReport& a, const SeamReport& b) {

@@ -88,6 +88,8 @@ class Source {
 
   /// What the reads so far have found.
   [[nodiscard]] SeamReport seams() const;
+  /// Sentences on heights that look as if they meant no data, from what was read and the range of all heights.
+  [[nodiscard]] std::vector<std::string> doubts(double minimum, double maximum) const;
 
   /// XXH3 over the bytes of an input's files; a virtual raster counts with its sources. Reads them all.
   [[nodiscard]] std::uint64_t checksum(std::size_t input) const;

@@ -119,7 +119,7 @@ TEST_F(InputListTest, InputsAreDescribedAndHaveAChecksum) {
 
 TEST_F(InputListTest, DriversBeyondTheListNeedTheUsersWord) {
   const fs::path file = write_text("a.xyz", "0.5 1.5 10\n1.5 1.5 11\n0.5 0.5 12\n1.5 0.5 13\n");
-  EXPECT_THAT(failure_with({file}).what(), HasSubstr("--allow-driver XYZ"));
+  EXPECT_THAT(failure_with({file}).what(), HasSubstr("InputOptions::allow_drivers XYZ"));
   InputOptions options;
   options.allow_drivers = {"XYZ"};
   EXPECT_THAT(all_codes(Source{{file}, options}).codes, ElementsAre(10, 11, 12, 13));
