@@ -145,9 +145,40 @@ class Guard {
     check_first_choice(real, admit(real).driver);
   }
 
+  // GDAL reads these beside a file, too; from a pipe it would never return.
+  static void require_plain_side_files(const fs::path& file) {
+    fs::path stem = file;
+    stem.replace_extension();
+    const std::string ending = file.extension().string(), name = file.string(), base = stem.string();
+    std::vector<std::string> sides;
+    for (const char* added :
+         {".aux.xml", ".AUX.XML", ".aux", ".AUX", ".msk", ".MSK", ".ovr", ".OVR", ".hdr", ".HDR", ".prj", ".wld"})
+      sides.push_back(name + added);
+    for (const char* instead : {".aux", ".AUX", ".rrd", ".RRD", ".hdr", ".HDR",     ".prj",     ".PRJ", ".qpj", ".wld",
+                                ".WLD", ".clr", ".CLR", ".stx", ".STX", ".sta",     ".STA",     ".tab", ".TAB", ".ige",
+                                ".IGE", ".imd", ".IMD", ".rpb", ".RPB", "_rpc.txt", "_RPC.TXT", ".blw", ".BLW"})
+      sides.push_back(base + instead);
+    if (ending.size() >= 3) {  // world files: .tif has .tfw and .tifw
+      for (const char w : {'w', 'W'}) {
+        sides.push_back(base + ending + w);
+        sides.push_back(base + ending.substr(0, 2) + ending.back() + w);
+      }
+    }
+    for (const std::string& side : sides) {
+      std::error_code error;
+      const fs::file_status there = fs::status(side, error);
+      if (!fs::exists(there) || fs::is_regular_file(there) || fs::is_directory(there)) continue;
+      throw Failure(
+          Cause::unsupported,
+          fmt::format("{} lies beside {} and is a device, a pipe or a socket, not a file; move it away", side, name),
+          side);
+    }
+  }
+
   // GDAL opens masks and overviews beside a file with any driver, and an overview file that the
   // metadata names from anywhere.
   DatasetOwner check_side_files(const fs::path& file, const std::string& driver) {
+    require_plain_side_files(file);
     for (const char* ending : {".msk", ".MSK", ".ovr", ".OVR"}) {
       const fs::path side = file.string() + ending;
       if (std::error_code error; fs::exists(side, error)) admit_inner(side);
