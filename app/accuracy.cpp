@@ -1,10 +1,8 @@
 #include "talus/accuracy.hpp"
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,9 +10,12 @@
 #include "app/accuracy_report.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/follow.hpp"
 #include "app/interrupt.hpp"
+#include "app/outputs.hpp"
 #include "app/progress.hpp"
+#include "app/say.hpp"
 #include "app/truth.hpp"
 #include "query/export/output_file.hpp"
 
@@ -33,17 +34,13 @@ struct Request {
 bool is_page(const std::string& output) { return output.ends_with(".html") || output.ends_with(".htm"); }
 
 /// What would fail after the work.
-void check_output(const std::string& output, const std::string& database) {
+void check_output(const std::string& output, const Request& request) {
   if (!is_page(output) && !output.ends_with(".svg")) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("--output {}: a report on accuracy is written as .html or .svg", output));
   }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(output, database, ignored)) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("--output {} is the database itself: the report would replace it; name another file", output));
-  }
+  require_no_input(output, {request.database});
+  require_no_input(output, request.against);
   const HoldInterrupts nothing_left_behind;
   const OutputFile can_be_written(output);
 }
@@ -67,17 +64,22 @@ Exit run(const Request& request) {
   // What is misspelt is said before a file is opened.
   AccuracyOptions options = options_of(request);
   std::optional<Rectangle> rectangle;
+  bool is_clipped = false;
   if (request.bbox) rectangle = parse_bbox(*request.bbox);
   {
     // Closed again before anything is measured: what is open stays in memory.
-    const Snapshot now = Database::open(request.database).snapshot();
-    if (rectangle) options.region = now.region(*rectangle);
+    const Snapshot now = open_database(request.database).snapshot();
+    if (rectangle) {
+      options.region = now.region(*rectangle);
+      is_clipped = now.is_cut(*rectangle);
+      if (is_clipped) note(clipped_text(*request.bbox));
+    }
     if (!request.against.empty()) {
       options.truth = of_same_heights(open_truth(request.against, now.description(), request.database), request.against,
                                       request.database);
     }
   }
-  for (const std::string& output : request.outputs) check_output(output, request.database);
+  for (const std::string& output : request.outputs) check_output(output, request);
 
   std::optional<Progress> progress(std::in_place);
   options.progress = [&](double fraction, const char* stage) { progress->show(fraction, stage); };
@@ -93,8 +95,13 @@ Exit run(const Request& request) {
     file.write(text);
     file.commit();
   }
+  notes(caveats(report, names));
   if (request.json) {
     Json object = accuracy_json(report, names);
+    if (rectangle) {
+      object["asked"] = Json::array({rectangle->xmin, rectangle->ymin, rectangle->xmax, rectangle->ymax});
+      object["clipped"] = is_clipped;
+    }
     if (!request.outputs.empty()) object["output"] = request.outputs;
     print(object);
     return Exit::done;
@@ -118,10 +125,11 @@ void add_accuracy(CLI::App& program, Action& action) {
       ->option_text("DEM ...")
       ->check(is_named);
   command->add_option("--bbox", request->bbox, "Ask about this rectangle instead of the whole raster")
-      ->option_text("=XMIN,YMIN,XMAX,YMAX");
+      ->option_text("XMIN,YMIN,XMAX,YMAX");
   command
       ->add_option("--window", request->window,
                    "Ask about windows of N x N samples, whatever the size of the raster or rectangle")
+      ->transform(whole())
       ->check(CLI::Range(17, 4097))
       ->option_text("N");
   command
@@ -135,6 +143,7 @@ void add_accuracy(CLI::App& program, Action& action) {
       ->option_text("T");
   command->add_option("--map", request->map, "Tolerance of the maps; without it the recommended one")->option_text("M");
   command->add_option("--threads", request->threads, "Of an answer of a million samples or more; 0: one a core")
+      ->transform(whole())
       ->check(CLI::Range(0, 1024))
       ->option_text("N [0]");
   command

@@ -120,7 +120,8 @@ constexpr const char* kWarm =
     "median of five to 101, and between what times the middle half of them lay. "
     "A program that has just started, as talus query, takes longer: all its memory is fresh";
 
-/// What a reader must know to take the figures for what they are.
+}  // namespace
+
 std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNames& names) {
   std::vector<std::string> sentences;
   const Description& d = report.description;
@@ -148,6 +149,8 @@ std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNam
     sentences.push_back("Every tolerance that was asked for has the same answer.");
   return sentences;
 }
+
+namespace {
 
 // ---- the table -----------------------------------------------------------------------------------------------
 
@@ -291,7 +294,6 @@ std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& nam
   table.add("warm", kWarm);
   table.add("cold", cold_text(report));
   table.add("threads", fmt::format("{}", report.threads));
-  for (const std::string& sentence : caveats(report, names)) table.add("note", sentence);
   std::string text = table.text() + "\n" + aligned(rows_of(report)) + "\n" + recommendation(report) + "\n";
   for (const AccuracyPoint* p : {advised(report), compared(report)}) {
     if (p != nullptr) text += "  " + what_it_is(report, *p) + "\n";

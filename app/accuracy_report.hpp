@@ -22,7 +22,9 @@ struct AccuracyNames {
 [[nodiscard]] std::string recommendation(const AccuracyReport& report);
 /// The advised answer as arguments of `talus`, of several windows the typical one's; none where nothing is advised.
 [[nodiscard]] std::vector<std::string> advised_query(const AccuracyReport& report, const AccuracyNames& names);
-/// For people at a terminal.
+/// What a reader must know to take the figures for what they are.
+[[nodiscard]] std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNames& names);
+/// For people at a terminal; without the caveats.
 [[nodiscard]] std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& names);
 [[nodiscard]] Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names);
 /// Curves and maps.

@@ -14,7 +14,8 @@ RestrictedQuadtree answer_of(Stream& stream, const std::string& file) {
   const auto& increment = std::get<Increment>(stream.content);
   throw Failure(Cause::invalid_argument,
                 fmt::format("{} is an increment, from {} m to {} m, and no answer: merge it into one first", file,
-                            increment.from.value, increment.added.tolerance.value));
+                            increment.from.value, increment.added.tolerance.value),
+                file);
 }
 
 }  // namespace talus::app

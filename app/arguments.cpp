@@ -15,22 +15,56 @@ namespace {
 // '.' in any locale, and the whole word or nothing.
 std::optional<double> number(std::string_view word) {
   double value = 0;
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size() || std::isnan(value)) return std::nullopt;
   return value;
 }
 
-// Finite numbers with commas between; none if it is not that.
+// Finite numbers with a comma or blanks between two of them; none if it is not that.
 std::vector<double> numbers_in(std::string_view word) {
+  constexpr std::string_view kBlank = " \t\r";
   std::vector<double> numbers;
+  const auto skip_blank = [&] { word.remove_prefix(std::min(word.find_first_not_of(kBlank), word.size())); };
+  skip_blank();
   for (;;) {
-    const std::size_t comma = word.find(',');
-    const std::optional<double> value = number(word.substr(0, comma));
+    const std::size_t end = std::min(word.find_first_of(" \t\r,"), word.size());
+    const std::optional<double> value = number(word.substr(0, end));
     if (!value || !std::isfinite(*value)) return {};
     numbers.push_back(*value);
-    if (comma == std::string_view::npos) return numbers;
-    word.remove_prefix(comma + 1);
+    word.remove_prefix(end);
+    skip_blank();
+    if (word.empty()) return numbers;
+    if (!word.starts_with(',')) continue;
+    word.remove_prefix(1);
+    skip_blank();
   }
+}
+
+// Options whose words are numbers, and how many at most make a value: "--bbox 1 2 3 4" is "--bbox=1,2,3,4".
+struct NumberOption {
+  std::string_view name;
+  std::size_t most;
+};
+constexpr std::size_t kAny = 1 << 20;
+constexpr NumberOption kNumberOptions[] = {
+    {"--bbox", 4},        {"--point", 2},     {"--line", kAny}, {"--focus", 3},       {"--tolerances", kAny},
+    {"--tr", 2},          {"--tolerance", 1}, {"--from", 1},    {"--surface", 1},     {"--map", 1},
+    {"--nodata", 1},
+    {"--void-weight", 1}, {"--time", 1},      {"--quantum", 1}, {"--height-step", 1},
+};
+
+const NumberOption* number_option(std::string_view name) {
+  const auto* found =
+      std::find_if(std::begin(kNumberOptions), std::end(kNumberOptions), [&](const auto& o) { return o.name == name; });
+  return found == std::end(kNumberOptions) ? nullptr : found;
+}
+
+// Of a word that holds nothing but numbers, commas at its ends allowed; else 0.
+std::size_t count_of_numbers(std::string_view word) {
+  while (word.ends_with(',')) word.remove_suffix(1);
+  while (word.starts_with(',')) word.remove_prefix(1);
+  return numbers_in(word).size();
 }
 
 }  // namespace
@@ -200,15 +234,8 @@ Border parse_border(const std::string& word) {
 }
 
 Focus parse_focus(const std::string& word) {
-  std::vector<double> numbers;
-  for (std::size_t from = 0; from <= word.size();) {
-    const std::size_t comma = std::min(word.find(',', from), word.size());
-    const std::optional<double> v = number(std::string_view(word).substr(from, comma - from));
-    if (!v || !std::isfinite(*v)) break;
-    numbers.push_back(*v);
-    from = comma + 1;
-  }
-  if (numbers.size() != 3 || numbers[2] < 0 || std::count(word.begin(), word.end(), ',') != 2) {
+  const std::vector<double> numbers = numbers_in(word);
+  if (numbers.size() != 3 || numbers[2] < 0) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("--focus takes X,Y,METRES_PER_METRE, the last 0 or more; \"{}\" is not that", word));
   }
@@ -222,20 +249,54 @@ std::string is_named(const std::string& word) {
 std::vector<std::string> join_numbers(std::vector<std::string> arguments) {
   std::vector<std::string> joined;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string& word = arguments[i];
-    const bool takes_number = word == "--bbox" || word == "--tolerance" || word == "--from" ||
-                              word == "--void-weight" || word == "--focus" || word == "--line" || word == "--point" ||
-                              word == "--surface" || word == "--tolerances" || word == "--time" || word == "--map" || word == "--nodata";
-    if (takes_number && i + 1 < arguments.size() && arguments[i + 1].size() > 1 && arguments[i + 1][0] == '-' &&
-        arguments[i + 1][1] != '-') {
-      joined.push_back(word + "=" + arguments[++i]);
-    } else if (word.starts_with("-.")) {
-      joined.push_back("-0" + word.substr(1));
-    } else {
-      joined.push_back(word);
+    std::string word = arguments[i];
+    if (word == "--") {
+      joined.insert(joined.end(), arguments.begin() + static_cast<std::ptrdiff_t>(i), arguments.end());
+      break;
     }
+    const std::size_t equals = word.find('=');
+    const NumberOption* option = number_option(std::string_view(word).substr(0, equals));
+    if (option == nullptr) {
+      joined.push_back(word.starts_with("-.") ? "-0" + word.substr(1) : word);
+      continue;
+    }
+    std::size_t count = equals == std::string::npos ? 0 : count_of_numbers(std::string_view(word).substr(equals + 1));
+    bool is_begun = equals != std::string::npos;
+    while (i + 1 < arguments.size() && (!is_begun || count > 0)) {
+      const std::string& next = arguments[i + 1];
+      const std::size_t more = count_of_numbers(next);
+      // The first word is the option's if it looks like a negative number, whatever comes of it.
+      const bool is_value =
+          more > 0 ? count + more <= option->most : !is_begun && next.size() > 1 && next[0] == '-' && next[1] != '-';
+      if (!is_value) break;
+      word += (is_begun ? (word.ends_with(',') || next.starts_with(',') ? "" : ",") : "=") + next;
+      is_begun = true;
+      count += more;
+      ++i;
+      if (more == 0) break;
+    }
+    joined.push_back(word);
   }
   return joined;
+}
+
+std::string whole_number(std::string& word) {
+  constexpr std::pair<char, double> kUnits[] = {{'k', 1e3}, {'K', 1e3}, {'M', 1e6}, {'G', 1e9}};
+  std::string_view digits = word;
+  double unit = 1;
+  for (const auto& [letter, times] : kUnits) {
+    if (!digits.ends_with(letter)) continue;
+    digits.remove_suffix(1);
+    unit = times;
+    break;
+  }
+  const std::optional<double> value = number(digits);
+  if (!value) return fmt::format("\"{}\" is not a whole number, such as 100000, 1e5 or 100k", word);
+  const double whole = std::round(*value * unit);
+  if (std::abs(whole - *value * unit) > 1e-6 || std::abs(whole) > 0x1p53)
+    return fmt::format("\"{}\" is not a whole number up to 9e15", word);
+  word = fmt::format("{:.0f}", whole + 0.0);
+  return "";
 }
 
 }  // namespace talus::app

@@ -1,12 +1,15 @@
 #pragma once
 // Words of the command line that mean something to us.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <CLI/CLI.hpp>
 
 #include "talus/description.hpp"
 #include "talus/ingest.hpp"
@@ -27,6 +30,11 @@ namespace talus::app {
 [[nodiscard]] std::vector<Position> parse_line(const std::string& word);
 /// "X Y", "X,Y", or with tabs: two finite numbers and nothing else.
 [[nodiscard]] std::optional<Position> parse_position(std::string_view text);
+/// Bytes of a line with a point.
+inline constexpr std::size_t kLongestPointLine = 4096;
+/// Points of one file.
+inline constexpr std::size_t kMostPoints = 10'000'000;
+
 /// A number of at least 0, finite.
 [[nodiscard]] double parse_weight(const std::string& word);
 
@@ -57,8 +65,13 @@ struct Focus {
 /// What a word lacks to name a file; empty where it lacks nothing, as CLI11 wants it of a check.
 [[nodiscard]] std::string is_named(const std::string& word);
 
-/// The arguments with "--bbox -1,2,3,4" made one word, "--bbox=-1,2,3,4", and -.5 written -0.5: a number is
-/// no option.
+/// Spells a count as digits: "1e5", "100k", "2.5M" (of thousands). Returns what is wrong, or nothing, as CLI11 wants it
+/// of a transformation.
+[[nodiscard]] std::string whole_number(std::string& word);
+[[nodiscard]] inline CLI::Validator whole() { return {whole_number, ""}; }
+
+/// The arguments with "--bbox -1,2,3,4" and "--bbox -1 2 3 4" made one word, "--bbox=-1,2,3,4", and -.5 written -0.5: a
+/// number is no option.
 [[nodiscard]] std::vector<std::string> join_numbers(std::vector<std::string> arguments);
 
 }  // namespace talus::app

@@ -30,4 +30,9 @@ std::string with_options(std::string sentence) {
   return sentence;
 }
 
+std::vector<std::string> with_options(std::vector<std::string> sentences) {
+  for (std::string& sentence : sentences) sentence = with_options(std::move(sentence));
+  return sentences;
+}
+
 }  // namespace talus::app

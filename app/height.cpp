@@ -14,6 +14,7 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/report.hpp"
 #include "talus/database.hpp"
 
@@ -30,7 +31,7 @@ struct Request {
 class Answers {
  public:
   Answers(const Request& request, std::optional<Metres> tolerance)
-      : json_(request.json), tolerance_(tolerance), now_(Database::open(request.database).snapshot()) {}
+      : json_(request.json), tolerance_(tolerance), now_(open_database(request.database).snapshot()) {}
 
   [[nodiscard]] std::string text(const std::vector<Position>& points) {
     heights_.resize(points.size());
@@ -81,7 +82,8 @@ bool read_more(std::string& text) {
     if (got == 0) return text.size() > before;
     // More points at once are cheaper each; but whoever sends one and waits gets an answer.
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    if (text.size() - before > kMost || ::poll(&input, 1, 0) != 1) return true;
+    if (text.size() - before > kMost || text.find('\n', size) == std::string::npos || ::poll(&input, 1, 0) != 1)
+      return true;
   }
 }
 
@@ -108,6 +110,12 @@ void answer_standard_input(Answers& answers) {
     }
     text.erase(0, begin);
     print(answers.text(points));
+    if (text.size() > kLongestPointLine) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("standard input, line {}: longer than {} bytes, so this is no point; X and Y are expected",
+                      number + 1, kLongestPointLine));
+    }
   }
 }
 
@@ -115,13 +123,14 @@ Exit run(const Request& request) {
   std::optional<Metres> tolerance;
   if (!request.surface.empty()) tolerance = parse_tolerance(request.surface, "--surface");
   const bool from_input = request.point.front() == "-";
-  if (request.point.size() != (from_input ? 1u : 2u)) {
+  std::optional<Position> point;
+  if (!from_input && request.point.size() == 1) point = parse_position(request.point[0]);  // X,Y
+  if (!point && request.point.size() != (from_input ? 1u : 2u)) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("height takes X and Y, or - to read points from standard input; \"{}\" is not that",
                               fmt::join(request.point, " ")));
   }
-  std::optional<Position> point;
-  if (!from_input) {
+  if (!from_input && !point) {
     point = parse_position(request.point[0] + " " + request.point[1]);
     if (!point) {
       throw Failure(Cause::invalid_argument, fmt::format("height takes X and Y, two numbers; \"{} {}\" is not that",

@@ -5,6 +5,7 @@
 #include "app/explain.hpp"
 #include "app/interrupt.hpp"
 #include "app/report.hpp"
+#include "app/say.hpp"
 #include "talus/stream.hpp"
 
 namespace talus::app {
@@ -33,6 +34,10 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
   };
   if (!outputs.empty()) stages.time("write", write);
   const RestrictedQuadtree& added = increment.added;
+  const std::vector<std::string> remarks =
+      outputs.empty() ? std::vector<std::string>{"nothing written; add -o FILE to keep the increment"}
+                      : std::vector<std::string>{};
+  notes(remarks);
   if (json) {
     Json object{{"region", bounds(description, region)},
                 {"from", from.value},
@@ -44,7 +49,8 @@ Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres t
                 {"pages_read", increment.cost.pages_read},
                 {"bytes_read", increment.cost.bytes_read},
                 {"seconds", increment.cost.seconds},
-                {"output", outputs}};
+                {"output", outputs},
+                {"notes", remarks}};
     if (explain) object["explain"] = explained(increment.cost, stages);
     print(object);
     return Exit::done;

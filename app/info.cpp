@@ -7,6 +7,7 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/report.hpp"
 #include "app/stream_options.hpp"
 #include "talus/database.hpp"
@@ -140,6 +141,7 @@ std::string border_text(Border border) {
 
 /// What a stream says of itself; the vertices stay where they are.
 Exit run_stream(const Request& request) {
+  require_stream(request.database);
   const StreamInfo s = read_stream_info(request.database);
   const Description& d = s.description;
   if (request.json) {
@@ -192,8 +194,8 @@ Exit run_stream(const Request& request) {
 }
 
 Exit run(const Request& request) {
-  if (is_stream_file(request.database)) return run_stream(request);
-  const Snapshot now = Database::open(request.database).snapshot();
+  if (holds_stream(request.database)) return run_stream(request);
+  const Snapshot now = open_database(request.database).snapshot();
   if (request.json) {
     print(to_json(request, now.description(), now.storage(), now.provenance()));
   } else {

@@ -10,10 +10,13 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
+#include "app/fields.hpp"
 #include "app/input_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
 #include "app/report.hpp"
+#include "app/say.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
@@ -47,7 +50,7 @@ void settle_options(Request& request) {
   if (!request.height_step.empty()) o.inputs.height_step = parse_height_step(request.height_step);
   o.inputs.priority_resolution = parse_priority(request.priority);
   if (!request.grid_of.empty()) {
-    o.inputs.grid = grid_of(Database::open(request.grid_of).snapshot().description());
+    o.inputs.grid = grid_of(open_database(request.grid_of).snapshot().description());
     o.inputs.grid->step.reset();  // its grid, not its heights
   }
   if (request.update && (o.error_kind != ErrorKind::exact || o.error_metric != ErrorMetric::vertical || o.no_guarantee)) {
@@ -69,31 +72,28 @@ IngestReport ingest_with_progress(Request& request) {
     progress.show(now);
   };
   note_interrupts();
+  if (request.update) require_database(request.database());
   if (request.update) return update(request.inputs(), request.database(), request.options);
-  const auto say_what_is_left = [&](const char* what) {
-    if (std::filesystem::exists(request.database() + ".part")) {
-      fmt::print(stderr, "talus: {}; what is done is in {}.part, here or moved elsewhere --resume goes on with it\n", what,
-                 request.database());
-    }
-  };
+  const std::string part = request.database() + ".part";
+  const std::string left = fmt::format("what is done is in {}, here or moved elsewhere --resume goes on with it", part);
   try {
     return ingest(request.inputs(), request.database(), request.options);
   } catch (const Interrupted&) {
-    say_what_is_left("interrupted");
+    if (std::filesystem::exists(part)) throw Interrupted{"interrupted; " + left};
     throw;
   } catch (const Failure& failure) {
-    if (failure.cause() == Cause::full) say_what_is_left("no space is left");
+    if (failure.cause() == Cause::full && std::filesystem::exists(part)) note("no space is left; " + left);
     throw;
   }
 }
 
-void add_notes(Table& table, const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) table.add("note", note);
-}
-
 Exit dry_run(const Request& request) {
-  const IngestEstimate e = estimate_ingest(request.inputs(), request.options);
+  IngestEstimate e = estimate_ingest(request.inputs(), request.options);
+  e.notes = with_options(std::move(e.notes));
   const Description& d = e.description;
+  if (std::filesystem::exists(request.database()) && !request.options.overwrite)
+    e.notes.push_back(fmt::format("{} exists already; without --overwrite it stays", request.database()));
+  notes(e.notes);
   if (request.json) {
     print(Json{{"database", request.database()},
                {"source", d.source_name},
@@ -113,9 +113,6 @@ Exit dry_run(const Request& request) {
                                    counted(e.tiles)));
   table.add("file size", fmt::format("about {}", file_size(e.bytes, d.extent)));
   table.add("time", fmt::format("about {} with {} thread{}", timed(e.seconds), e.threads, e.threads == 1 ? "" : "s"));
-  if (std::filesystem::exists(request.database()) && !request.options.overwrite)
-    table.add("note", fmt::format("{} exists already; without --overwrite it stays", request.database()));
-  add_notes(table, e.notes);
   print(table);
   return Exit::done;
 }
@@ -123,9 +120,13 @@ Exit dry_run(const Request& request) {
 Exit run(Request& request) {
   settle_options(request);
   if (request.dry_run) return dry_run(request);
-  const IngestReport report = ingest_with_progress(request);
+  IngestReport report = ingest_with_progress(request);
+  report.notes = with_options(std::move(report.notes));
   const Description& d = report.description;
   const auto samples = static_cast<std::uint64_t>(d.extent.samples());
+  if (d.extent.cols() == 1 || d.extent.rows() == 1)
+    report.notes.push_back("the raster is one sample wide or high: no answer will hold a triangle");
+  notes(report.notes);
   if (request.json) {
     print(Json{{"database", request.database()},
                {"source", d.source_name},
@@ -152,9 +153,6 @@ Exit run(Request& request) {
   if (request.update) table.add("tiles", fmt::format("{} settled anew", counted(report.tiles)));
   table.add("time", fmt::format("{}, {:.3g} million samples a second", timed(report.seconds),
                                 static_cast<double>(samples) / 1e6 / std::max(report.seconds, 1e-9)));
-  if (d.extent.cols() == 1 || d.extent.rows() == 1)
-    table.add("note", "the raster is one sample wide or high: no answer will hold a triangle");
-  add_notes(table, report.notes);
   print(table);
   return Exit::done;
 }
@@ -197,6 +195,7 @@ void add_ingest(CLI::App& program, Action& action) {
   command->add_option("--memory", request->memory, "Stay below this, whatever the size of the raster")
       ->option_text("BYTES [1GiB]");
   command->add_option("--threads", request->options.threads, "Changes nothing but the time; 0: one a core")
+      ->transform(whole())
       ->option_text("N [0]");
   command
       ->add_option("--void-weight", request->void_weight,

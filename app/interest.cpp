@@ -1,13 +1,12 @@
 #include "app/interest.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+#include <cstddef>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "app/arguments.hpp"
+#include "ingest/lines.hpp"
 #include "ingest/tolerance_raster.hpp"
 #include "talus/failure.hpp"
 
@@ -21,12 +20,11 @@ struct Part {
 
 /// X and Y a line; blank lines part what lies between them.
 std::vector<Part> read_parts(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw Failure(Cause::not_found, fmt::format("cannot open {}: {}", file, std::strerror(errno)));
+  Lines in(file, "file of points", kLongestPointLine);
   std::vector<Part> parts;
   std::string line;
   bool is_begun = false;
-  for (std::uint64_t number = 1; std::getline(in, line); ++number) {
+  for (std::size_t points = 0; in.next(line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) {
       is_begun = false;
       continue;
@@ -34,14 +32,16 @@ std::vector<Part> read_parts(const std::string& file) {
     const std::optional<Position> position = parse_position(line);
     if (!position) {
       throw Failure(Cause::invalid_argument,
-                    fmt::format("{}, line {}: X and Y are expected, two numbers; \"{}\" is not that", file, number,
-                                line.substr(0, 100)));
+                    fmt::format("{}, line {}: X and Y are expected, two numbers; \"{}\" is not that", file, in.number(),
+                                line.substr(0, 100)),
+                    file);
     }
-    if (!is_begun) parts.push_back({number, {}});
+    if (++points > kMostPoints)
+      throw Failure(Cause::invalid_argument, fmt::format("{} has more than {} points", file, kMostPoints), file);
+    if (!is_begun) parts.push_back({in.number(), {}});
     is_begun = true;
     parts.back().positions.push_back(*position);
   }
-  if (in.bad()) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file, std::strerror(errno)));
   return parts;
 }
 
@@ -55,13 +55,13 @@ void add_interest(CLI::App* command, Interest& interest) {
   repeat(command
              ->add_option("--point", interest.points,
                           "The sample nearest to it is a vertex; may be repeated, as all of these")
-             ->option_text("=X,Y ..."));
+             ->option_text("X,Y ..."));
   repeat(command->add_option("--points", interest.point_files, "The same for a file with X and Y a line")
              ->option_text("FILE ...")
              ->check(is_named));
   repeat(
       command->add_option("--line", interest.lines, "The samples nearest to a line are vertices, one a step along it")
-          ->option_text("=X,Y,X,Y,... ..."));
+          ->option_text("X,Y,X,Y,... ..."));
   repeat(command
              ->add_option("--lines", interest.line_files,
                           "The same for a file with X and Y a line, and a blank line between lines")
@@ -88,7 +88,8 @@ Places read_places(const Interest& interest) {
         throw Failure(
             Cause::invalid_argument,
             fmt::format("{}, line {}: a line of one point; expected two or more, and blank lines between lines only",
-                        file, part.first_line));
+                        file, part.first_line),
+            file);
       }
       places.lines.push_back(std::move(part.positions));
     }
@@ -98,20 +99,18 @@ Places read_places(const Interest& interest) {
 
 std::vector<GridPoint> samples_of(const Places& places, const Description& description, GridRect region) {
   std::vector<GridPoint> samples = samples_nearest(description, region, places.points);
-  for (const std::vector<Position>& line : places.lines) {
-    const std::vector<GridPoint> along = samples_along(description, region, line);
-    samples.insert(samples.end(), along.begin(), along.end());
-  }
+  const std::vector<GridPoint> along = samples_along(description, region, places.lines);
+  samples.insert(samples.end(), along.begin(), along.end());
   return samples;
 }
 
 std::shared_ptr<const ToleranceField> tolerance_of_raster(const std::string& file, const Description& description,
                                                           GridRect region) {
-  const ToleranceRaster raster = read_tolerances(file, description, region);
+  const ToleranceRaster raster = blaming(file, [&] { return read_tolerances(file, description, region); });
   try {
     return raster_tolerance(description, region, raster.cells, raster.metres);
   } catch (const Failure& f) {
-    throw Failure(f.cause(), fmt::format("--tolerance-raster {}: {}", file, f.what()));
+    throw Failure(f.cause(), fmt::format("--tolerance-raster {}: {}", file, f.what()), file);
   }
 }
 

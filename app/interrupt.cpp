@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "app/commands.hpp"
+#include "app/say.hpp"
 
 namespace talus::app {
 namespace {
@@ -29,7 +30,10 @@ void install(void (*handler)(int)) {
 }  // namespace
 
 void exit_when_interrupted() {
-  install([](int) { ::_exit(static_cast<int>(Exit::interrupted)); });
+  install([](int) {
+    end_progress();
+    ::_exit(static_cast<int>(Exit::interrupted));
+  });
 }
 
 void note_interrupts() {

@@ -2,6 +2,7 @@
 // Ctrl-C, or a terminal that is closed: exit code 130, and nothing half-written stays.
 
 #include <csignal>
+#include <string>
 
 namespace talus::app {
 
@@ -12,7 +13,9 @@ void note_interrupts();
 [[nodiscard]] bool interrupted();
 
 /// Thrown to unwind after an interrupt; no failure, so not a Failure.
-struct Interrupted {};
+struct Interrupted {
+  std::string sentence = "interrupted";
+};
 
 /// Puts interrupts off while a file is written and named.
 class HoldInterrupts {

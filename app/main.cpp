@@ -1,9 +1,9 @@
 // The talus command: each subcommand is one call of the public API plus printing.
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +14,9 @@
 #include "app/commands.hpp"
 #include "app/fields.hpp"
 #include "app/interrupt.hpp"
+#include "app/report.hpp"
+#include "app/say.hpp"
+#include "app/standard_files.hpp"
 #include "talus/failure.hpp"
 
 namespace talus::app {
@@ -31,16 +34,45 @@ Exit exit_for(Cause cause) {
   return Exit::failed;
 }
 
-// One line, whatever a file name holds.
-Exit complain(std::string sentence, Exit code) {
-  sentence = with_options(std::move(sentence));
-  std::replace_if(
-      sentence.begin(), sentence.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
-  fmt::print(stderr, "talus: {}\n", sentence);
-  return code;
+/// What went wrong.
+struct Complaint {
+  std::string cause, sentence;
+  Exit code = Exit::failed;
+  std::string file = {};  ///< at fault; empty: none
+};
+
+std::string word_for(Cause cause) {
+  switch (cause) {
+    case Cause::invalid_argument: return "invalid_argument";
+    case Cause::not_found: return "not_found";
+    case Cause::corrupt: return "corrupt";
+    case Cause::unsupported: return "unsupported";
+    case Cause::full: return "full";
+    case Cause::io: return "io";
+  }
+  return "unknown";
 }
 
-Exit run(std::vector<std::string> arguments) {
+/// A sentence on standard error; where programs listen, one JSON object on a line of standard output, too.
+Exit complain(const Complaint& complaint, bool json) {
+  say(complaint.sentence);
+  if (!json) return complaint.code;
+  const Json failure{{"cause", complaint.cause},
+                     {"exit_code", static_cast<int>(complaint.code)},
+                     {"file", complaint.file.empty() ? Json() : Json(complaint.file)},
+                     {"message", with_options(complaint.sentence)}};
+  try {
+    print(Json{{"failure", failure}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  } catch (const Failure&) {  // the sentence has been said, and the exit code stays what it was about
+  }
+  return complaint.code;
+}
+
+Complaint misused(std::string sentence) {
+  return {word_for(Cause::invalid_argument), std::move(sentence), Exit::usage};
+}
+
+Exit run(std::vector<std::string> arguments, bool json) {
   CLI::App program{
       "Terrain with a true error bound: takes in an elevation raster, answers any rectangle at any\n"
       "tolerance with a crack-free mesh no covered sample of which is farther away than asked.\n",
@@ -71,31 +103,37 @@ Exit run(std::vector<std::string> arguments) {
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     program.parse(arguments);
   } catch (const CLI::Success& wanted) {  // help and version
-    program.exit(wanted);
-    return std::fflush(stdout) == 0 ? Exit::done : complain("cannot write to standard output", Exit::failed);
+    std::ostringstream text;
+    program.exit(wanted, text, text);
+    print(text.str());
+    return Exit::done;
   } catch (const CLI::ParseError& error) {
     if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
-      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query, height, profile, merge, convert, "
-                                  "accuracy and verify",
-                                  first),
-                      Exit::usage);
+      return complain(
+          misused(fmt::format("there is no subcommand {}; there are ingest, info, query, height, profile, merge, "
+                              "convert, accuracy and verify",
+                              first)),
+          json);
     }
-    return complain(fmt::format("{} (talus --help says more)", error.what()), Exit::usage);
+    return complain(misused(fmt::format("{} (talus --help says more)", error.what())), json);
   }
   return action();
 }
 
 Exit guarded(int argc, char** argv) {
+  const std::vector<std::string> arguments{argv + std::min(argc, 1), argv + argc};
+  const bool json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
   try {
-    return run({argv + std::min(argc, 1), argv + argc});
+    return run(arguments, json);
   } catch (const Failure& failure) {
-    return complain(failure.what(), exit_for(failure.cause()));
-  } catch (const Interrupted&) {
-    return Exit::interrupted;
+    return complain({word_for(failure.cause()), failure.what(), exit_for(failure.cause()), failure.file().string()},
+                    json);
+  } catch (const Interrupted& interrupt) {
+    return complain({"interrupted", interrupt.sentence, Exit::interrupted}, json);
   } catch (const std::bad_alloc&) {
-    return complain("out of memory", Exit::failed);
+    return complain({"out_of_memory", "out of memory", Exit::failed}, json);
   } catch (const std::exception& error) {
-    return complain(fmt::format("unexpected, please report: {}", error.what()), Exit::failed);
+    return complain({"unexpected", fmt::format("unexpected, please report: {}", error.what()), Exit::failed}, json);
   }
 }
 
@@ -103,6 +141,7 @@ Exit guarded(int argc, char** argv) {
 }  // namespace talus::app
 
 int main(int argc, char** argv) {
+  talus::app::secure_standard_files();
   talus::app::exit_when_interrupted();
   return static_cast<int>(talus::app::guarded(argc, argv));
 }

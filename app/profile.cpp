@@ -1,15 +1,15 @@
-#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/interrupt.hpp"
+#include "app/outputs.hpp"
 #include "app/report.hpp"
 #include "query/export/output_file.hpp"
 #include "talus/database.hpp"
@@ -50,19 +50,14 @@ void check_output(const Request& request) {
   if (!request.output.ends_with(".csv")) {
     throw Failure(Cause::invalid_argument, fmt::format("--output {}: a profile is written as .csv", request.output));
   }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(request.output, request.database, ignored)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("--output {} is the database itself: the profile would replace it; name another file",
-                              request.output));
-  }
+  require_no_input(request.output, {request.database});
 }
 
 Exit run(const Request& request) {
   const Metres tolerance = parse_tolerance(request.tolerance);
   const std::vector<Position> line = parse_line(request.line);
   check_output(request);
-  const Snapshot now = Database::open(request.database).snapshot();
+  const Snapshot now = open_database(request.database).snapshot();
   const Description& description = now.description();
   const Profile profile = now.profile(line, tolerance);
   if (!request.output.empty()) {
@@ -110,7 +105,7 @@ void add_profile(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("profile", "Heights along a line");
   command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
   command->add_option("--line", request->line, "Points of the line, two or more")
-      ->option_text("=X,Y,X,Y,... REQUIRED")
+      ->option_text("X,Y,X,Y,... REQUIRED")
       ->required();
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")
       ->option_text("M REQUIRED")
@@ -122,7 +117,8 @@ void add_profile(CLI::App& program, Action& action) {
   command->footer(
       "\n"
       "Print the heights along a line, with few vertices: every covered sample on the line is within the tolerance.\n"
-      "The line is straight between its points, which are in the database's CRS, X before Y.\n"
+      "The line is straight between its points, which are in the database's CRS, X before Y. Between longitudes it\n"
+      "goes the short way, across the antimeridian if need be.\n"
       "\n"
       "Each line of output has the number of the part, the distance along the line in metres on the ground, X, Y and\n"
       "the height in the source's vertical unit. A part ends where data does.\n"

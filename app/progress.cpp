@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "app/report.hpp"
+#include "app/say.hpp"
 #include "talus/failure.hpp"
 
 namespace talus::app {
@@ -40,7 +41,7 @@ Progress::Progress(Telling telling)
     : telling_(telling == Telling::people && ::isatty(STDERR_FILENO) != 1 ? Telling::nobody : telling) {}
 
 Progress::~Progress() {
-  if (shown_ && telling_ == Telling::people) std::fputs("\n", stderr);
+  if (telling_ == Telling::people) end_progress();
 }
 
 void Progress::show(double fraction, const char* stage) {
@@ -56,9 +57,8 @@ void Progress::show(const IngestProgress& now) {
   if (!done && std::chrono::duration<double>(time - last_).count() < kInterval) return;
   if (telling_ == Telling::people && std::chrono::duration<double>(time - start_).count() < kQuiet) return;
   last_ = time;
-  shown_ = true;
   if (telling_ == Telling::people) {
-    fmt::print(stderr, "\r{}\x1b[K", line_of(now));
+    show_progress(line_of(now));
   } else {
     const Json json{{"fraction", now.fraction},
                     {"stage", now.stage},
@@ -66,9 +66,8 @@ void Progress::show(const IngestProgress& now) {
                     {"all_samples", now.all_samples},
                     {"seconds", now.seconds},
                     {"seconds_left", now.seconds_left >= 0 ? Json(now.seconds_left) : Json()}};
-    fmt::print(stderr, "{}\n", json.dump());
+    write_to_log(json.dump() + "\n");
   }
-  std::fflush(stderr);
 }
 
 }  // namespace talus::app

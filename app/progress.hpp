@@ -29,7 +29,6 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
   Telling telling_;
-  bool shown_ = false;
   Clock::time_point start_ = Clock::now(), last_{};
 };
 

@@ -1,9 +1,7 @@
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,11 +9,13 @@
 #include "app/answers.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/explain.hpp"
 #include "app/increment.hpp"
 #include "app/interest.hpp"
 #include "app/outputs.hpp"
 #include "app/report.hpp"
+#include "app/say.hpp"
 #include "app/stream_options.hpp"
 #include "talus/database.hpp"
 
@@ -40,14 +40,13 @@ struct Request {
   }
 };
 
-void check_output(const std::string& output, const std::string& database) {
-  check_outputs({output});
-  std::error_code ignored;
-  if (std::filesystem::equivalent(output, database, ignored)) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("--output {} is the database itself: the mesh would replace it; name another file", output));
-  }
+/// All that is read.
+std::vector<std::string> inputs_of(const Request& request) {
+  std::vector<std::string> inputs{request.database};
+  for (const auto* files : {&request.neighbours, &request.interest.point_files, &request.interest.line_files})
+    inputs.insert(inputs.end(), files->begin(), files->end());
+  if (!request.tolerance_raster.empty()) inputs.push_back(request.tolerance_raster);
+  return inputs;
 }
 
 std::string why_empty(GridRect region) {
@@ -58,6 +57,7 @@ std::string why_empty(GridRect region) {
 std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& files) {
   std::vector<RestrictedQuadtree> neighbours;
   for (const std::string& file : files) {
+    require_stream(file);
     Stream stream = read_stream(file);
     neighbours.push_back(answer_of(stream, file));
   }
@@ -141,6 +141,25 @@ void require_tolerance(const Request& request) {
                   "--focus and --tolerance-raster both say where which tolerance is: expected one");
 }
 
+/// What whoever asked should know, or do.
+std::vector<std::string> remarks_on(const Request& request, const Answer& answer, const Mesh& mesh, bool is_clipped) {
+  std::vector<std::string> remarks;
+  if (is_clipped) remarks.push_back(clipped_text(request.bbox));
+  if (mesh.triangles.empty()) remarks.push_back(why_empty(mesh.region));
+  if (!answer.unmatched.empty()) {
+    remarks.push_back(
+        fmt::format("{} vertices on shared sides are not in the neighbours: ask for those again with --match, or "
+                    "there are cracks",
+                    counted(answer.unmatched.size())));
+  }
+  if (answer.void_points > 0) {
+    remarks.push_back(fmt::format("{} of the samples that were asked for have no data and are no vertices",
+                                  counted(answer.void_points)));
+  }
+  if (request.outputs.empty()) remarks.push_back("nothing written; add -o FILE to keep the mesh");
+  return remarks;
+}
+
 Exit run(const Request& request) {
   require_tolerance(request);
   // What is misspelt is said before a file is opened.
@@ -154,18 +173,20 @@ Exit run(const Request& request) {
   require_fit_for_streams(request);
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
+  check_outputs(request.outputs, inputs_of(request));
   const Places places = read_places(request.interest);
-  for (const std::string& output : request.outputs) check_output(output, request.database);
 
   const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
-  const Snapshot now = Database::open(request.database, {.threads = request.threads}).snapshot();
+  const Snapshot now = open_database(request.database, {.threads = request.threads}).snapshot();
   const Description& description = now.description();
+  const bool is_clipped = rectangle && now.is_cut(*rectangle);
   const auto start = std::chrono::steady_clock::now();
   Stages stages;
   Question question = question_of(request, now, rectangle, places, stages);
   const bool by_raster = !request.tolerance_raster.empty();
   const Metres tolerance = by_raster ? Metres{question.field->least(question.region)} : question.tolerance;
   if (!request.from.empty()) {
+    if (is_clipped) note(clipped_text(request.bbox));
     return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, quantum,
                            request.outputs, options, request.json, request.explain);
   }
@@ -187,6 +208,8 @@ Exit run(const Request& request) {
                 [&] { bound = bound + write_outputs(answer.quadtree, mesh, description, request.outputs, options); });
   }
 
+  const std::vector<std::string> remarks = remarks_on(request, answer, mesh, is_clipped);
+  notes(remarks);
   if (request.json) {
     Json object{{"region", bounds(description, mesh.region)},
                 {"tolerance", tolerance.value},
@@ -204,7 +227,12 @@ Exit run(const Request& request) {
                 {"pages_read", answer.cost.pages_read},
                 {"bytes_read", answer.cost.bytes_read},
                 {"seconds", seconds},
-                {"output", request.outputs}};
+                {"output", request.outputs},
+                {"notes", remarks}};
+    if (rectangle) {
+      object["asked"] = Json::array({rectangle->xmin, rectangle->ymin, rectangle->xmax, rectangle->ymax});
+      object["clipped"] = is_clipped;
+    }
     if (request.explain) object["explain"] = explained(answer.cost, stages);
     print(object);
     return Exit::done;
@@ -222,19 +250,10 @@ Exit run(const Request& request) {
             fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
   if (!neighbours.empty())
     table.add("match", fmt::format("{} of the vertices are for neighbours alone", counted(answer.matching_vertices)));
-  if (!answer.unmatched.empty()) {
-    table.add("",
-              fmt::format("{} vertices on shared sides are not in the neighbours: ask for those again with --match, or "
-                          "there are cracks",
-                          counted(answer.unmatched.size())));
-  }
   if (!request.interest.is_empty()) {
     table.add("points", fmt::format("{} samples, {} of the vertices are for them alone",
                                     counted(question.points.size()), counted(answer.point_vertices)));
-    if (answer.void_points > 0)
-      table.add("", fmt::format("{} of them have no data and are no vertices", counted(answer.void_points)));
   }
-  if (mesh.triangles.empty()) table.add("", why_empty(mesh.region));
   table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
                                 sized(answer.cost.bytes_read)));
   table.add("time", timed(seconds));
@@ -252,7 +271,7 @@ void add_query(CLI::App& program, Action& action) {
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M");
   command->add_option("--from", request->from, "What an answer at this tolerance lacks, as an increment for merge")
       ->option_text("M");
-  command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("=XMIN,YMIN,XMAX,YMAX");
+  command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("XMIN,YMIN,XMAX,YMAX");
   command
       ->add_option("--border", request->border,
                    "constrain: the rectangle's sides are mesh edges; cover: whole triangles that reach\n"
@@ -261,27 +280,31 @@ void add_query(CLI::App& program, Action& action) {
   command
       ->add_option("--snap", request->snap,
                    "Grow the rectangle to multiples of N samples; 16 needs fewest border vertices")
+      ->transform(whole())
       ->option_text("N [1]");
   command
       ->add_option("--max-level", request->max_level,
                    "No vertex finer than this level, 0 the coarsest, whatever the tolerance; the bound says what\n"
                    "is kept")
+      ->transform(whole())
       ->check(CLI::Range(0, 31))
       ->option_text("L");
   command
       ->add_option("--max-vertices", request->budget.vertices,
                    "Instead of a tolerance: the smallest whose answer has at most N, on the ladder of stored errors,\n"
                    "whose rungs are 0.6 % apart. Beside voids vertices count that no triangle needs")
+      ->transform(whole())
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
       ->option_text("N");
   command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")
+      ->transform(whole())
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
       ->option_text("N");
   command
       ->add_option("--focus", request->focus,
                    "The tolerance is that of --tolerance at a point and grows by so many metres with each metre\n"
                    "on the ground from it")
-      ->option_text("=X,Y,METRES_PER_METRE");
+      ->option_text("X,Y,METRES_PER_METRE");
   command
       ->add_option("--tolerance-raster", request->tolerance_raster,
                    "Instead of a tolerance: a raster of one band with metres. Each sample has the tolerance of\n"
@@ -318,6 +341,7 @@ void add_query(CLI::App& program, Action& action) {
   command->add_flag("--explain", request->explain,
                     "Print also which pages were read, which were left out and why, and where time went");
   command->add_option("--threads", request->threads, "Of a large answer; changes nothing but the time; 0: one a core")
+      ->transform(whole())
       ->check(CLI::Range(0, 1024))
       ->option_text("N [0]");
   command->add_flag("--json", request->json, "Print one JSON object");
@@ -329,7 +353,7 @@ void add_query(CLI::App& program, Action& action) {
       "\n"
       "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
       "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
-      "out in the source's vertical unit.\n"
+      "out in the source's vertical unit. Of longitudes, XMIN above XMAX is the box across the antimeridian.\n"
       "\n"
       "Points and lines are in the database's CRS, within the rectangle. Samples nearest to them become vertices; "
       "those\n"

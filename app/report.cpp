@@ -79,6 +79,10 @@ Json bounds(const Description& d, GridRect region) {
                       d.mapping.y(region.first.row)});
 }
 
+std::string clipped_text(const std::string& bbox) {
+  return fmt::format("the rectangle {} reaches beyond the raster: the answer ends where the raster does", bbox);
+}
+
 std::string bound_text(const Description& d, Metres bound) {
   if (d.error_kind == ErrorKind::midpoint)
     return "none: errors are those of midpoints (--no-guarantee), samples may lie any distance beyond the tolerance";

@@ -41,6 +41,8 @@ void print(const std::string& text);
 
 /// [xmin, ymin, xmax, ymax] of the outermost sample positions.
 [[nodiscard]] Json bounds(const Description& description, GridRect region);
+/// That a rectangle reaches farther than the raster.
+[[nodiscard]] std::string clipped_text(const std::string& bbox);
 /// What a bound is worth in a database, or in what was answered from it.
 [[nodiscard]] std::string bound_text(const Description& description, Metres bound);
 /// Why a bound is above the tolerance; empty where it is not.

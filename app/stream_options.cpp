@@ -19,6 +19,7 @@ void add_stream_words(CLI::App* command, StreamWords& words) {
       ->add_option("--bands", words.bands,
                    "Of .rqt files: pieces of each level that several threads can read at once; 0: one for\n"
                    "each 65,536 vertices")
+      ->transform(whole())
       ->check(CLI::Range(0, 4096))
       ->option_text("N [0]");
 }

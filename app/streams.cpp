@@ -1,22 +1,24 @@
 // talus merge and talus convert: what becomes of .rqt files.
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "app/answers.hpp"
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/outputs.hpp"
 #include "app/report.hpp"
+#include "app/say.hpp"
 #include "app/stream_options.hpp"
 #include "talus/database.hpp"
 #include "talus/stream.hpp"
@@ -66,19 +68,57 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
   return Exit::done;
 }
 
-Exit run_merge(const Request& request) {
-  check_outputs(request.outputs);  // an output may be an input: all are read before anything is written
-  static_cast<void>(stream_options(request.stream));
-  Stream base = read_stream(request.inputs.front(), {}, nullptr, request.threads);
-  RestrictedQuadtree answer = answer_of(base, request.inputs.front());
-  for (std::size_t i = 1; i < request.inputs.size(); ++i) {
-    const std::string& file = request.inputs[i];
+/// "coarse.rqt", or what it and increments so far have made.
+std::string made_of(const std::vector<std::string>& inputs, std::size_t count) {
+  if (count == 1) return inputs.front();
+  return fmt::format("{} merged with {}", inputs.front(),
+                     fmt::join(inputs.begin() + 1, inputs.begin() + static_cast<std::ptrdiff_t>(count), ", "));
+}
+
+/// An increment that goes on from something else is at fault, and so is one out of its turn. The sentence says what
+/// stands before it.
+RestrictedQuadtree merged(const RestrictedQuadtree& answer, const Request& request, std::size_t i) {
+  const std::string& file = request.inputs[i];
+  try {
     const Stream delta = read_stream(file, {}, &answer, request.threads);
     const auto* increment = std::get_if<Increment>(&delta.content);
-    if (increment == nullptr)
-      throw Failure(Cause::invalid_argument, fmt::format("{} is an answer and no increment: there is nothing to merge", file));
-    answer = merge(answer, *increment);
+    if (increment == nullptr) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{} is an answer and no increment: the first file is an answer, all others are increments, "
+                      "which talus query --from writes",
+                      file),
+          file);
+    }
+    try {
+      return merge(answer, *increment);
+    } catch (const Failure& failure) {
+      throw Failure(failure.cause(), fmt::format("{}: {}", file, failure.what()), file);
+    }
+  } catch (const Failure& failure) {
+    const bool is_misfit =
+        failure.cause() == Cause::invalid_argument && std::string_view(failure.what()).starts_with(file + ":");
+    if (!is_misfit) throw;
+    throw Failure(failure.cause(), fmt::format("{}; the answer here is {}", failure.what(), made_of(request.inputs, i)),
+                  file);
   }
+}
+
+Exit run_merge(const Request& request) {
+  check_outputs(request.outputs, request.inputs);
+  static_cast<void>(stream_options(request.stream));
+  for (const std::string& file : request.inputs) require_stream(file);
+  const std::string& first = request.inputs.front();
+  Stream base = read_stream(first, {}, nullptr, request.threads);
+  RestrictedQuadtree answer = answer_of(base, first);
+  if (request.inputs.size() > 1 && !answer.origin.is_plain) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{} is not the answer of a rectangle at one tolerance, or it is cut: no increment goes on from it",
+                    first),
+        first);
+  }
+  for (std::size_t i = 1; i < request.inputs.size(); ++i) answer = merged(answer, request, i);
   return report(answer, base.description, request);
 }
 
@@ -91,17 +131,18 @@ Stream read_standard_input(const Request& request) {
     decoder.add(std::span(room).first(count));
     if (decoder.parts() == told) continue;
     told = decoder.parts();
-    fmt::print(stderr, "part {} of {}: {} vertices, bound {}\n", told, decoder.parts_in_all(), counted(decoder.vertices()),
-               metres(decoder.bound().value));
+    write_to_log(fmt::format("part {} of {}: {} vertices, bound {}\n", told, decoder.parts_in_all(),
+                             counted(decoder.vertices()), metres(decoder.bound().value)));
   }
   decoder.require_whole();
   return decoder.stream();
 }
 
 Exit run_convert(const Request& request) {
-  check_outputs(request.outputs);
+  check_outputs(request.outputs, request.inputs);
   static_cast<void>(stream_options(request.stream));
   const std::string& input = request.inputs.front();
+  if (input != "-") require_stream(input);
   Stream stream = input == "-" ? read_standard_input(request) : read_stream(input, {}, nullptr, request.threads);
   return report(answer_of(stream, input), stream.description, request);
 }
@@ -119,7 +160,10 @@ void add_output(CLI::App* command, Request& request) {
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_stream_words(command, request.stream);
-  command->add_option("--threads", request.threads, "To read and to write with; changes nothing but the time; 0: one a core")
+  command
+      ->add_option("--threads", request.threads,
+                   "To read and to write with; changes nothing but the time; 0: one a core")
+      ->transform(whole())
       ->check(CLI::Range(0, 1024))
       ->option_text("N [0]");
   command->add_flag("--json", request.json, "Print one JSON object");

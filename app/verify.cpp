@@ -8,6 +8,7 @@
 
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
+#include "app/doors.hpp"
 #include "app/report.hpp"
 #include "app/truth.hpp"
 #include "talus/database.hpp"
@@ -28,7 +29,7 @@ struct Checked {
 };
 
 Checked check(const Request& request, std::optional<Metres> tolerance) {
-  const Snapshot now = Database::open(request.database).snapshot();
+  const Snapshot now = open_database(request.database).snapshot();
   const Description& d = now.description();
   if (request.against.empty()) return {verify(now), d};
   const SampleReader truth = open_truth(request.against, d, request.database);

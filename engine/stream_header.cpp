@@ -144,12 +144,15 @@ void put_header(StreamWriter& out, const StreamHeader& h) {
   out.seal(0);
 }
 
+bool begins_as_stream(std::span<const std::byte> bytes) {
+  const std::size_t known = std::min(bytes.size(), kMagic.size());
+  return std::equal(kMagic.begin(), kMagic.begin() + static_cast<std::ptrdiff_t>(known), bytes.begin(),
+                    [](char a, std::byte b) { return static_cast<std::byte>(a) == b; });
+}
+
 std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const StreamLimits& limits) {
   StreamTaker in(bytes);
-  const std::size_t known = std::min(bytes.size(), kMagic.size());
-  if (!std::equal(kMagic.begin(), kMagic.begin() + static_cast<std::ptrdiff_t>(known), bytes.begin(),
-                  [](char a, std::byte b) { return static_cast<std::byte>(a) == b; }))
-    StreamTaker::refuse(0, "not the stream of a restricted quadtree");
+  if (!begins_as_stream(bytes)) StreamTaker::refuse(0, "not the stream of a restricted quadtree");
   if (bytes.size() < 16) return std::nullopt;
   (void)in.take(kMagic.size());
   const auto version = in.take<std::uint32_t>();

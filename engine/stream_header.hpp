@@ -43,6 +43,9 @@ struct StreamHeader {
 /// fails  invalid_argument: texts too long
 void put_header(StreamWriter& out, const StreamHeader& header);
 
+/// Whether these may be the first bytes of a stream; a few are enough.
+[[nodiscard]] bool begins_as_stream(std::span<const std::byte> bytes);
+
 /// Nothing, if bytes are missing.
 /// fails  corrupt, unsupported: as decode_stream
 [[nodiscard]] std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const StreamLimits& limits);

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -12,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "ingest/lines.hpp"
 #include "ingest/raster_guard.hpp"
 #include "talus/failure.hpp"
 
@@ -19,6 +17,9 @@ namespace talus {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestLine = 64 << 10;  // bytes of a list's line
+constexpr std::size_t kMostFiles = 1'000'000;   // that one list names
 
 std::string ending_of(const fs::path& file) {
   std::string ending = file.extension().string();
@@ -190,32 +191,32 @@ void add(const fs::path& named, const InputOptions& options, InputList& list) {
 }
 
 void add_list(const fs::path& file, const InputOptions& options, InputList& list) {
-  std::error_code error;
-  if (!fs::exists(file, error)) throw Failure(Cause::not_found, fmt::format("there is no list {}", file.string()));
-  std::ifstream lines{file};
-  if (!lines || fs::is_directory(file, error)) {
-    throw Failure(Cause::io, fmt::format("cannot read list {}: {}", file.string(),
-                                         fs::is_directory(file, error) ? "it is a folder" : std::strerror(errno)));
-  }
+  Lines lines{file, "list", kLongestLine};
   const std::size_t before = list.files.size();
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // some editors begin a text with it
   bool is_first = true;
-  for (std::string line; std::getline(lines, line);) {
+  for (std::string line; lines.next(line);) {
     if (std::exchange(is_first, false) && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!line.empty() && is_blank(line.back())) line.pop_back();
     line.erase(line.begin(), std::find_if_not(line.begin(), line.end(), is_blank));
     if (line.empty() || line.front() == '#') continue;
     if (line.front() == '@' || line.find('\0') != std::string::npos) {
-      throw Failure(Cause::invalid_argument, fmt::format("list {} has the line {}: expected the name of a file or a "
-                                                         "folder",
-                                                         file.string(), line.substr(0, line.find('\0'))));
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("list {} has the line {}: expected the name of a file or a "
+                                "folder",
+                                file.string(), line.substr(0, line.find('\0'))),
+                    file);
+    }
+    if (list.files.size() - before >= kMostFiles) {
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("list {} names more than {} files; name folders instead", file.string(), kMostFiles),
+                    file);
     }
     add(file.parent_path() / line, options, list);
   }
-  if (lines.bad()) throw Failure(Cause::io, fmt::format("cannot read list {}", file.string()));
   if (list.files.size() == before) {
-    throw Failure(Cause::invalid_argument, fmt::format("list {} names no file", file.string()));
+    throw Failure(Cause::invalid_argument, fmt::format("list {} names no file", file.string()), file);
   }
 }
 

@@ -36,9 +36,9 @@ constexpr std::string_view kFormats =
     "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, "
     "PNG, Surfer grids";
 // What GDAL opens beside a raster without being asked: endings after its name, and in place of its own.
-constexpr std::array<std::string_view, 4> kAppended{".aux.xml", ".msk", ".ovr", ".aux"};
-constexpr std::array<std::string_view, 14> kReplaced{".hdr", ".prj", ".tfw", ".wld", ".tifw", ".blw", ".bilw",
-                                                     ".stx", ".sta", ".clr", ".tab", ".aux",  ".pgw", ".rrd"};
+constexpr std::array<std::string_view, 6> kAppended{".aux.xml", ".msk", ".ovr", ".aux", ".hdr", ".wld"};
+constexpr std::array<std::string_view, 14> kReplaced{".hdr", ".prj", ".qpj", ".wld", ".stx", ".sta", ".clr",
+                                                     ".tab", ".aux", ".rrd", ".ige", ".imd", ".rpb", "_rpc.txt"};
 constexpr std::uintmax_t kLargestVrt = 16u << 20;  // bytes; a source takes about 500
 constexpr std::size_t kDeepestVrt = 4;             // virtual rasters within virtual rasters
 
@@ -96,18 +96,25 @@ std::string upper(std::string_view text) {
   return all;
 }
 
-/// Names of files beside a raster that GDAL may open on its own, and that are there.
+/// Names of files beside a raster that GDAL may open by itself, and that are there.
 std::vector<fs::path> side_files_of(const fs::path& file) {
   std::vector<fs::path> sides;
-  const auto add = [&](const fs::path& side) {
+  const auto add = [&](const std::string& side) {
     std::error_code error;
-    if (side != file && fs::exists(fs::symlink_status(side, error))) sides.push_back(side);
+    if (side != file && fs::exists(fs::symlink_status(side, error)) && !fs::is_directory(side, error)) sides.emplace_back(side);
   };
-  for (const std::string_view ending : kAppended) {
-    for (const std::string& written : {std::string(ending), upper(ending)}) add(file.string() + written);
-  }
-  for (const std::string_view ending : kReplaced) {
-    for (const std::string& written : {std::string(ending), upper(ending)}) add(fs::path(file).replace_extension(written));
+  const auto add_both = [&](const std::string& stem, std::string_view ending) {
+    add(stem + std::string(ending));
+    add(stem + upper(ending));
+  };
+  const std::string name = file.string(), ending = file.extension().string();
+  const std::string stem = name.substr(0, name.size() - ending.size());
+  for (const std::string_view appended : kAppended) add_both(name, appended);
+  for (const std::string_view replaced : kReplaced) add_both(stem, replaced);
+  if (ending.size() < 3) return sides;
+  for (const char w : {'w', 'W'}) {  // world files: .tif has .tfw and .tifw
+    add(stem + ending + w);
+    add(stem + ending.substr(0, 2) + ending.back() + w);
   }
   return sides;
 }

@@ -41,6 +41,16 @@ GridMapping evenly_over(const Description& d, GridRect region, const RasterFacts
   return {d.mapping.x(region.first.col - 0.5) + dx / 2, d.mapping.y(region.first.row - 0.5) + dy / 2, dx, dy};
 }
 
+/// Cells written a full turn away, as the region's samples are.
+GridMapping on_turn_of(const Description& d, GridRect region, GridMapping cells, const RasterFacts& facts) {
+  const double turn = full_turn(d.crs_wkt);
+  if (turn == 0) return cells;
+  const double ours = (d.mapping.x(region.first.col) + d.mapping.x(region.last.col)) / 2;
+  const double theirs = cells.x0 + cells.dx * (facts.cols - 1) / 2;
+  cells.x0 += std::round((ours - theirs) / turn) * turn;
+  return cells;
+}
+
 /// The cells that a region's samples may lie in; last < first: none.
 GridRect cells_over(const Description& d, GridRect region, const GridMapping& cells, const RasterFacts& facts) {
   const auto cell = [](double at, int count) {
@@ -62,7 +72,7 @@ ToleranceRaster read_tolerances(const std::filesystem::path& file, const Descrip
   require_own_grid(facts);
   ToleranceRaster raster;
   const bool is_placed = facts.is_placed || !facts.crs_wkt.empty();
-  raster.cells = is_placed ? facts.mapping : evenly_over(database, region, facts);
+  raster.cells = is_placed ? on_turn_of(database, region, facts.mapping, facts) : evenly_over(database, region, facts);
   const GridRect part = cells_over(database, region, raster.cells, facts);
   if (part.cols() < 1 || part.rows() < 1) {
     throw Failure(Cause::invalid_argument, fmt::format("{} has nothing in common with the region", facts.name));

@@ -12,6 +12,7 @@
 #include "query/budget.hpp"
 #include "query/heights.hpp"
 #include "query/increment.hpp"
+#include "query/longitude.hpp"
 #include "query/profile.hpp"
 #include "query/question.hpp"
 #include "query/selection.hpp"
@@ -42,11 +43,12 @@ struct Database::Opened {
 Database::Database(std::shared_ptr<Opened> opened) : opened_(std::move(opened)) {}
 
 Database Database::open(const std::filesystem::path& file, const OpenOptions& options) {
-  Database database(
-      std::make_shared<Opened>(Opened{PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes),
-                                      threads_or_all(options.threads)}));
-  (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
-  return database;
+  return blaming(file, [&] {
+    Database database(std::make_shared<Opened>(Opened{
+        PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes), threads_or_all(options.threads)}));
+    (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
+    return database;
+  });
 }
 
 Snapshot Database::snapshot() const {
@@ -82,9 +84,10 @@ Provenance Snapshot::provenance() const {
   return stored ? decode_provenance(stored->content) : Provenance{};
 }
 
-GridRect Snapshot::region(const Rectangle& r) const {
+GridRect Snapshot::region(const Rectangle& asked) const {
   const Description& d = description();
-  const auto text = fmt::format("{},{},{},{}", r.xmin, r.ymin, r.xmax, r.ymax);
+  const auto text = fmt::format("{},{},{},{}", asked.xmin, asked.ymin, asked.xmax, asked.ymax);
+  const Rectangle r = view_->pages.longitudes().among(asked);
   if (!(r.xmin < r.xmax) || !(r.ymin < r.ymax) || !std::isfinite(r.xmin) || !std::isfinite(r.ymin) ||
       !std::isfinite(r.xmax) || !std::isfinite(r.ymax)) {
     throw Failure(Cause::invalid_argument, fmt::format("rectangle {}: expected xmin < xmax and ymin < ymax", text));
@@ -111,8 +114,19 @@ Answer Snapshot::range(GridRect region, Metres tolerance) const {
   return range_query(view_->pages, region, tolerance, view_->threads);
 }
 
-Frame Snapshot::frame(const Rectangle& r) const {
-  static_cast<void>(region(r));
+bool Snapshot::is_cut(const Rectangle& asked) const {
+  static_cast<void>(region(asked));
+  const Rectangle r = view_->pages.longitudes().among(asked);
+  const GridMapping& m = description().mapping;
+  const GridRect& e = description().extent;
+  constexpr double kCell = 0.5 + 1e-6;  // samples are the middles of cells
+  return line_at(r.xmin, m.x0, m.dx) < e.first.col - kCell || line_at(r.xmax, m.x0, m.dx) > e.last.col + kCell ||
+         line_at(r.ymax, m.y0, m.dy) < e.first.row - kCell || line_at(r.ymin, m.y0, m.dy) > e.last.row + kCell;
+}
+
+Frame Snapshot::frame(const Rectangle& asked) const {
+  static_cast<void>(region(asked));
+  const Rectangle r = view_->pages.longitudes().among(asked);
   const GridMapping& m = description().mapping;
   const GridRect& e = description().extent;
   const auto col = [&](double x) { return std::clamp<double>(line_at(x, m.x0, m.dx), e.first.col, e.last.col); };
@@ -226,7 +240,8 @@ QueryCost Snapshot::heights(std::span<const Position> points, Metres tolerance,
 }
 
 bool Snapshot::is_inside(Position point) const {
-  return contains(description().extent, grid_place(description().mapping, point));
+  const GridRect& extent = description().extent;
+  return contains(extent, grid_place(description().mapping, view_->pages.longitudes().among(point, extent)));
 }
 
 Profile Snapshot::profile(std::span<const Position> line, Metres tolerance) const {

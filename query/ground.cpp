@@ -22,6 +22,12 @@ Ground::Ground(const std::string& crs_wkt) {
   flattening_ = inverse == 0 ? 0 : 1 / inverse;
 }
 
+double Ground::full_turn() const {
+  if (degrees_per_unit_ == 0) return 0;
+  const double turn = 360 / degrees_per_unit_, whole = std::nearbyint(turn);
+  return std::abs(turn - whole) < 1e-6 ? whole : turn;  // the unit in radians is rounded
+}
+
 double Ground::metres(Position from, Position to) const {
   if (degrees_per_unit_ == 0) return std::hypot(to.x - from.x, to.y - from.y) * metres_per_unit_;
   const auto in_degrees = [&](Position p) { return Position{p.x * degrees_per_unit_, p.y * degrees_per_unit_}; };

@@ -12,6 +12,8 @@ class Ground {
 
   /// Coordinates are longitude and latitude.
   [[nodiscard]] bool is_geographic() const { return degrees_per_unit_ != 0; }
+  /// Around the globe, in units of the CRS: 360, 400 or so many; 0: not geographic.
+  [[nodiscard]] double full_turn() const;
   /// Metres a unit of the CRS, where it is not geographic.
   [[nodiscard]] double metres_per_unit() const { return metres_per_unit_; }
 

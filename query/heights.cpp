@@ -8,15 +8,22 @@
 
 #include <fmt/format.h>
 
+#include "query/longitude.hpp"
+
 namespace talus {
 namespace {
 
 /// Asks code_at(place) for the places within the extent, page by page along the curve, so that a page is looked up once
 /// whatever the order of the points is.
 template <class CodeAt>
-void by_page(const Description& description, std::span<const Position> points, std::span<std::optional<double>> out,
+void by_page(const StoredPages& pages, std::span<const Position> points, std::span<std::optional<double>> out,
              CodeAt&& code_at) {
   assert(points.size() == out.size());
+  const Description& description = pages.manifest().description;
+  const Longitudes longitudes = pages.longitudes();
+  const auto place_of = [&](Position p) {
+    return grid_place(description.mapping, longitudes.among(p, description.extent));
+  };
   struct Asked {
     std::uint64_t page;  ///< position on the curve of the finest band
     std::size_t point;
@@ -25,14 +32,14 @@ void by_page(const Description& description, std::span<const Position> points, s
   order.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     out[i].reset();
-    const Place p = grid_place(description.mapping, points[i]);
+    const Place p = place_of(points[i]);
     if (!contains(description.extent, p)) continue;
     const GridPoint corner{static_cast<std::int32_t>(std::floor(p.col)), static_cast<std::int32_t>(std::floor(p.row))};
     order.push_back({curve_position(page_of(corner, 0)), i});
   }
   std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.page < b.page; });
   for (const Asked& asked : order) {
-    const std::optional<double> code = code_at(grid_place(description.mapping, points[asked.point]));
+    const std::optional<double> code = code_at(place_of(points[asked.point]));
     if (code) out[asked.point] = description.step.value(*code);
   }
 }
@@ -94,7 +101,7 @@ QueryCost sampled_heights(const StoredPages& pages, std::span<const Position> po
   }
   return timed(pages, [&](QueryCost& cost) {
     Samples samples(pages, cost);
-    by_page(description, points, out, [&](Place p) { return samples.between(p); });
+    by_page(pages, points, out, [&](Place p) { return samples.between(p); });
   });
 }
 
@@ -102,7 +109,7 @@ QueryCost surface_heights(const StoredPages& pages, const ExtentBorder& border, 
                           std::span<const Position> points, std::span<std::optional<double>> out) {
   return timed(pages, [&](QueryCost& cost) {
     Surface surface(pages, border, tolerance, cost);
-    by_page(pages.manifest().description, points, out, [&](Place p) { return surface.height(p); });
+    by_page(pages, points, out, [&](Place p) { return surface.height(p); });
   });
 }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "query/ground.hpp"
+#include "query/longitude.hpp"
 #include "query/question.hpp"
 
 namespace talus {
@@ -134,16 +135,23 @@ struct CutVertex {
 };
 
 /// The surface along the line: parts, vertices wherever an edge is crossed.
-std::vector<std::vector<CutVertex>> cut(Surface& surface, const Description& d, std::span<const Position> line) {
+std::vector<std::vector<CutVertex>> cut(Surface& surface, const Description& d, const Longitudes& longitudes,
+                                        std::span<const Position> line) {
   std::vector<std::vector<CutVertex>> parts;
   bool goes_on = false;  // the last part reaches the end of the stretch before
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     if (line[i] == line[i + 1]) continue;
-    const Place begin = grid_place(d.mapping, line[i]), end = grid_place(d.mapping, line[i + 1]);
-    const Pieces pieces = Cut(surface, begin, end).run(d.extent);
+    // A raster that goes around the globe may have the two ends of a stretch at its own two ends.
+    const std::vector<double> shifts = longitudes.shifts(line[i].x, line[i + 1].x, d.extent);
+    const double seam = shifts.size() > 1 ? 1e-12 : 0;
+    Pieces pieces;
+    for (const double shift : shifts) {
+      const auto place = [&](Position p) { return grid_place(d.mapping, {p.x + shift, p.y}); };
+      pieces = with_gaps_filled(pieces, Cut(surface, place(line[i]), place(line[i + 1])).run(d.extent));
+    }
     double reached = 0;
     for (const Piece& piece : pieces) {
-      if (!goes_on || piece.from > reached) {
+      if (!goes_on || piece.from > reached + seam) {
         if (!parts.empty()) parts.back().back().stays = true;
         parts.emplace_back();
         goes_on = false;
@@ -207,9 +215,11 @@ void require_line(std::span<const Position> line) {
 
 }  // namespace
 
-Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<const Position> line,
+Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<const Position> asked,
                 Metres tolerance) {
   const auto started = std::chrono::steady_clock::now();
+  const Longitudes longitudes = pages.longitudes();
+  const std::vector<Position> line = longitudes.short_way(asked);
   require_line(line);
   require_tolerance(tolerance);
   const Description& d = pages.manifest().description;
@@ -233,7 +243,7 @@ Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<
   for (std::size_t i = 0; i + 1 < line.size(); ++i) begins.push_back(begins[i] + ground.metres(line[i], line[i + 1]));
   result.length_m = begins.back();
 
-  for (const auto& part : cut(surface, d, line)) {
+  for (const auto& part : cut(surface, d, longitudes, line)) {
     std::vector<ProfileVertex>& vertices = result.parts.emplace_back();
     thin(part, slack, [&](const CutVertex& v) {
       const Position a = line[v.stretch], b = line[v.stretch + 1];

@@ -7,6 +7,7 @@
 
 #include "engine/grid.hpp"
 #include "query/ground.hpp"
+#include "query/longitude.hpp"
 #include "query/matching.hpp"
 #include "talus/failure.hpp"
 
@@ -36,9 +37,10 @@ class FocusTolerance final : public ToleranceField {
 
 }  // namespace
 
-std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double x, double y, double metres_per_metre,
-                                                      Metres at_focus) {
+std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double asked_x, double y,
+                                                      double metres_per_metre, Metres at_focus) {
   require_tolerance(at_focus);
+  const double x = Longitudes(d).among(Position{asked_x, y}, d.extent).x;
   if (!std::isfinite(x) || !std::isfinite(y)) refuse(fmt::format("focus {}, {}: expected coordinates", x, y));
   if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
     refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));

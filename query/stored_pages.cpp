@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "query/extent_border.hpp"
+#include "query/ground.hpp"
+#include "query/longitude.hpp"
 #include "query/stopwatch.hpp"
 #include "storage/checksum.hpp"
 
@@ -17,6 +19,8 @@ namespace talus {
 struct StoredPages::Lazy {
   std::once_flag once;
   std::optional<ExtentBorder> border;
+  std::once_flag turn_once;
+  double turn = 0;
   std::once_flag identity_once;
   Identity identity;
 };
@@ -41,15 +45,21 @@ const ExtentBorder& StoredPages::extent_border() const {
   return *lazy_->border;
 }
 
+Longitudes StoredPages::longitudes() const {
+  std::call_once(lazy_->turn_once, [&] { lazy_->turn = Ground(manifest_.description.crs_wkt).full_turn(); });
+  return {lazy_->turn, manifest_.description};
+}
+
 StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache)
     : txn_(store), cache_(std::move(cache)), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
-  if (!header) throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()));
+  if (!header)
+    throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()), file_);
   header_bytes_ = header->content.size() + kPagePrefixBytes;
   try {
     manifest_ = decode_manifest(header->content);
   } catch (const Failure& f) {
-    throw Failure(f.cause(), fmt::format("{}: {}", file_.string(), f.what()));
+    throw Failure(f.cause(), fmt::format("{}: {}", file_.string(), f.what()), file_);
   }
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
@@ -78,7 +88,8 @@ StoredPage StoredPages::find(PageId id, QueryCost& cost) const {
   const auto stored = txn_.find({id.band, curve_position(id)});
   if (!stored) {
     throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band));
+                  fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band),
+                  file_);
   }
   const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes;
   ++cost.pages_read;
@@ -91,7 +102,8 @@ void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage&
   if (page.generation == generation) return;
   throw Failure(Cause::corrupt,
                 fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, {} is expected",
-                            file_.string(), id.x, id.y, id.band, page.generation, generation));
+                            file_.string(), id.x, id.y, id.band, page.generation, generation),
+                file_);
 }
 
 const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {

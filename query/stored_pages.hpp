@@ -13,6 +13,7 @@
 namespace talus {
 
 class ExtentBorder;
+class Longitudes;
 
 /// May be asked from several threads at once.
 class StoredPages {
@@ -26,6 +27,8 @@ class StoredPages {
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
   /// Of the whole raster, made when first asked for.
   [[nodiscard]] const ExtentBorder& extent_border() const;
+  /// Of a geographic CRS, where longitudes a full turn apart are one place.
+  [[nodiscard]] Longitudes longitudes() const;
   /// Of what the header's pages say, read when first asked for. An update changes it even where it changes nothing else.
   [[nodiscard]] Identity identity() const;
   /// Nothing was asked yet; every band is there to be counted in.

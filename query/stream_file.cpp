@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "engine/stream_codec.hpp"
+#include "engine/stream_header.hpp"
 #include "query/export/output_file.hpp"
 #include "talus/failure.hpp"
 #include "talus/stream.hpp"
@@ -17,17 +18,34 @@
 namespace talus {
 namespace {
 
+constexpr std::uintmax_t kFirstBytes = 4096;  // enough to see that a file is something else
+
 std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
   std::error_code code;
-  const auto size = std::filesystem::file_size(file, code);
-  if (code) {
-    throw Failure(code == std::errc::no_such_file_or_directory ? Cause::not_found : Cause::io,
-                  fmt::format("cannot read {}: {}", file.string(), code.message()));
+  const std::filesystem::file_status there = std::filesystem::status(file, code);
+  if (!std::filesystem::exists(there)) {
+    throw Failure(code && code != std::errc::no_such_file_or_directory ? Cause::io : Cause::not_found,
+                  fmt::format("cannot read {}: {}", file.string(), code ? code.message() : "there is no such file"),
+                  file);
+  }
+  if (!std::filesystem::is_regular_file(there)) {
+    throw Failure(
+        Cause::io,
+        fmt::format("cannot read {}: it is {}", file.string(),
+                    std::filesystem::is_directory(there) ? "a folder" : "a device, a pipe or a socket, not a file"),
+        file);
   }
   std::ifstream in(file, std::ios::binary);
-  std::vector<std::byte> bytes(size);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!in) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)));
+  std::vector<std::byte> bytes(std::min(kFirstBytes, std::filesystem::file_size(file)));
+  const auto read = [&](std::size_t from) {
+    in.read(reinterpret_cast<char*>(bytes.data() + from), static_cast<std::streamsize>(bytes.size() - from));
+    if (!in) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)), file);
+  };
+  read(0);
+  if (!begins_as_stream(bytes)) return bytes;  // what it is instead does not matter, however large
+  const std::size_t first = bytes.size();
+  bytes.resize(std::filesystem::file_size(file));
+  read(first);
   return bytes;
 }
 
@@ -44,7 +62,8 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
                   const RestrictedQuadtree* base) {
   if (!is_stream_file(file)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("cannot write a restricted quadtree to {}: the name must end in .rqt", file.string()));
+                  fmt::format("cannot write a restricted quadtree to {}: the name must end in .rqt", file.string()),
+                  file);
   }
   const std::vector<std::byte> bytes = encode(stream, options, base);
   OutputFile out{file};
@@ -62,9 +81,11 @@ auto of_file(const std::filesystem::path& file, Work&& work) {
     return work(bytes);
   } catch (const Failure& f) {
     const std::string sentence = f.what(), kind = "corrupt: ";
-    throw Failure(f.cause(), sentence.starts_with(kind)
-                                 ? fmt::format("{}{}: {}", kind, file.string(), sentence.substr(kind.size()))
-                                 : fmt::format("{}: {}", file.string(), sentence));
+    throw Failure(f.cause(),
+                  sentence.starts_with(kind)
+                      ? fmt::format("{}{}: {}", kind, file.string(), sentence.substr(kind.size()))
+                      : fmt::format("{}: {}", file.string(), sentence),
+                  file);
   }
 }
 

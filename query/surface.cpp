@@ -118,8 +118,10 @@ double Surface::corner(GridPoint p) {
   const PageId id = page_with(p);
   const Page* page = nearby_.page(id);
   if (page == nullptr) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: {}: page {}/{} of band {} is missing: a triangle stands on it",
-                                              pages_.file().string(), id.x, id.y, id.band));
+    throw Failure(Cause::corrupt,
+                  fmt::format("corrupt: {}: page {}/{} of band {} is missing: a triangle stands on it",
+                              pages_.file().string(), id.x, id.y, id.band),
+                  pages_.file());
   }
   const std::int32_t col = (p.col >> page->grid.shift) - page->grid.first.col;
   const std::int32_t row = (p.row >> page->grid.shift) - page->grid.first.row;

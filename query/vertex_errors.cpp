@@ -17,8 +17,10 @@ std::vector<double> vertex_errors(const StoredPages& pages, const RestrictedQuad
   answer.vertices.for_each([&](GridPoint p) {
     const Page* page = nearby.page_of_vertex(p);
     if (page == nullptr) {
-      throw Failure(Cause::corrupt, fmt::format("corrupt: {}: no page has the error of the vertex at column {}, row {}",
-                                                pages.file().string(), p.col, p.row));
+      throw Failure(Cause::corrupt,
+                    fmt::format("corrupt: {}: no page has the error of the vertex at column {}, row {}",
+                                pages.file().string(), p.col, p.row),
+                    pages.file());
     }
     const std::size_t i = page->index((p.col >> page->grid.shift) - page->grid.first.col,
                                       (p.row >> page->grid.shift) - page->grid.first.row);

@@ -22,16 +22,16 @@ void check(int code, const char* doing, const std::filesystem::path& file) {
     case ENOSPC:
     case EDQUOT:
     case MDB_MAP_FULL:
-      throw Failure(Cause::full,
-                    fmt::format("{}: the disk is full; free some space or write elsewhere", file.string()));
-    case ENOENT: throw Failure(Cause::not_found, sentence);
+      throw Failure(Cause::full, fmt::format("{}: the disk is full; free some space or write elsewhere", file.string()),
+                    file);
+    case ENOENT: throw Failure(Cause::not_found, sentence, file);
     case MDB_INVALID:
     case MDB_VERSION_MISMATCH:
     case MDB_CORRUPTED:
     case MDB_PAGE_NOTFOUND:
     case MDB_INCOMPATIBLE:
-      throw Failure(Cause::corrupt, fmt::format("corrupt: {}: {}", file.string(), mdb_strerror(code)));
-    default: throw Failure(Cause::io, sentence);
+      throw Failure(Cause::corrupt, fmt::format("corrupt: {}: {}", file.string(), mdb_strerror(code)), file);
+    default: throw Failure(Cause::io, sentence, file);
   }
 }
 

@@ -63,9 +63,11 @@ class File {
     const Cause cause = errno == ENOSPC || errno == EDQUOT ? Cause::full
                         : errno == ENOENT                  ? Cause::not_found
                                                            : Cause::io;
-    throw Failure(cause, cause == Cause::full
-                             ? fmt::format("{}: the disk is full; free some space or write elsewhere", path_.string())
-                             : fmt::format("{}: {}", path_.string(), std::strerror(errno)));
+    throw Failure(cause,
+                  cause == Cause::full
+                      ? fmt::format("{}: the disk is full; free some space or write elsewhere", path_.string())
+                      : fmt::format("{}: {}", path_.string(), std::strerror(errno)),
+                  path_);
   }
   std::filesystem::path path_;
   int handle_;

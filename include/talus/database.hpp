@@ -71,10 +71,19 @@ class Snapshot {
   /// What it was made from, and how many vertices tolerances select.
   [[nodiscard]] Provenance provenance() const;
 
+  /// Of all questions: in a geographic CRS longitudes a full turn apart are one place, whichever is written. Each next point
+  /// of a line is taken on the turn nearest to the one before.
+
   /// The samples a rectangle covers: outward to grid lines (a coordinate within 10⁻⁶ cell of a line is
-  /// on it), then clipped to the raster.
-  /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster
+  /// on it), then clipped to the raster. In a geographic CRS xmin > xmax is the box across the antimeridian, if it is at most
+  /// half a turn wide.
+  /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster; a box at both ends of a
+  ///        raster that goes around the globe
   [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
+
+  /// Whether a rectangle reaches farther than the raster's outermost cells: region() leaves that out.
+  /// fails  as region
+  [[nodiscard]] bool is_cut(const Rectangle& rectangle) const;
 
   /// The rectangle itself, where grid lines are whole numbers (within 10⁻⁶ of one it is on it), cut at the raster's outermost
   /// samples: what an answer is clipped to.

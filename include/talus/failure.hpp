@@ -38,4 +38,15 @@ class Failure : public std::runtime_error {
   std::filesystem::path file_;
 };
 
+/// work(); a failure of it that names no file names this one.
+template <class Work>
+decltype(auto) blaming(const std::filesystem::path& file, Work&& work) {
+  try {
+    return work();
+  } catch (const Failure& failure) {
+    if (!failure.file().empty()) throw;
+    throw Failure(failure.cause(), failure.what(), file);
+  }
+}
+
 }  // namespace talus

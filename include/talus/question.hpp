@@ -63,10 +63,16 @@ class ToleranceField {
 
 /// The samples nearest to a line that is straight between its points: one a step along the longer axis of each part,
 /// and those nearest to its ends. Each is a neighbour of the one before, on the grid or across a cell. As vertices they
-/// hold the surface to the samples along the line; edges need not follow it. fails  invalid_argument: fewer than two
-/// points; as samples_nearest
+/// hold the surface to the samples along the line; edges need not follow it. A sample that the line comes back to stands
+/// where it came first.
+/// fails  invalid_argument: fewer than two points; as samples_nearest
+/// cost   time in proportion to the line's steps; memory to the samples returned, at most 8 bytes and a bit for each of the
+///        region's
 [[nodiscard]] std::vector<GridPoint> samples_along(const Description& description, GridRect region,
                                                    std::span<const Position> line);
+/// Of several lines, each sample once.
+[[nodiscard]] std::vector<GridPoint> samples_along(const Description& description, GridRect region,
+                                                   std::span<const std::vector<Position>> lines);
 
 /// Everything but the region and tolerance has a default that asks for nothing.
 struct Question {

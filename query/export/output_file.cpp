@@ -37,16 +37,17 @@ OutputFile::OutputFile(std::filesystem::path target) : target_(std::move(target)
   std::error_code ignored;
   const std::filesystem::file_status there = std::filesystem::status(place_, ignored);
   if (std::filesystem::is_directory(there)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", target_.string()));
+    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", target_.string()), target_);
   }
   if (std::filesystem::is_symlink(place_, ignored)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: its links lead in a circle", target_.string()));
+    throw Failure(Cause::io, fmt::format("cannot write {}: its links lead in a circle", target_.string()), target_);
   }
   if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
     throw Failure(Cause::io,
                   fmt::format("cannot write {}: it is a device, a pipe or a socket, and would be replaced by a "
                               "file; name one",
-                              target_.string()));
+                              target_.string()),
+                  target_);
   }
   for (int i = 0; file_ < 0; ++i) {
     beside_ = place_;
@@ -93,8 +94,11 @@ void OutputFile::commit() {
 
 void OutputFile::fail(const char* what) const {
   const int code = errno;
+  const std::string why = code == EFBIG
+                              ? "it is larger than this process or the file system may write (ulimit -f says how large)"
+                              : std::strerror(code);
   throw Failure(code == ENOSPC || code == EDQUOT ? Cause::full : Cause::io,
-                fmt::format("cannot {} {}: {}", what, target_.string(), std::strerror(code)));
+                fmt::format("cannot {} {}: {}", what, target_.string(), why), target_);
 }
 
 }  // namespace talus

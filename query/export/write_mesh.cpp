@@ -65,7 +65,7 @@ void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
 }  // namespace
 
 void check_mesh_file(const std::filesystem::path& file) {
-  static_cast<void>(format_of(file));
+  blaming(file, [&] { static_cast<void>(format_of(file)); });
   check_folder(file);
 }
 
@@ -73,20 +73,23 @@ void check_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: there is no folder {}", file.string(), folder.string()));
+    throw Failure(Cause::io, fmt::format("cannot write {}: there is no folder {}", file.string(), folder.string()),
+                  file);
   }
   if (std::filesystem::is_directory(file, ignored)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", file.string()));
+    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", file.string()), file);
   }
 }
 
 Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
-  const Format& format = format_of(file);
-  check_mesh(mesh, file);
-  OutputFile out{file};
-  const Metres rounding = format.write(mesh, description, out);
-  out.commit();
-  return rounding;
+  return blaming(file, [&] {
+    const Format& format = format_of(file);
+    check_mesh(mesh, file);
+    OutputFile out{file};
+    const Metres rounding = format.write(mesh, description, out);
+    out.commit();
+    return rounding;
+  });
 }
 
 }  // namespace talus
