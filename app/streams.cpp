@@ -112,11 +112,11 @@ Exit run_merge(const Request& request) {
   Stream base = read_stream(first, {}, nullptr, request.threads);
   RestrictedQuadtree answer = answer_of(base, first);
   if (request.inputs.size() > 1 && !answer.origin.is_plain) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} is not the answer of a rectangle at one tolerance, or it is cut: no increment goes on from it",
-                    first),
-        first);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("no increment goes on from {}: that takes a whole answer of a rectangle at one tolerance, with "
+                              "--border constrain and exact heights or a --quantum",
+                              first),
+                  first);
   }
   for (std::size_t i = 1; i < request.inputs.size(); ++i) answer = merged(answer, request, i);
   return report(answer, base.description, request);

@@ -61,7 +61,7 @@ Rectangle Longitudes::among(const Rectangle& asked) const {
   if (!(box.xmin < box.xmax)) return asked;
   const double west = x(extent_.first.col), east = x(extent_.last.col);
   if (box.xmax - box.xmin >= turn_)  // all longitudes
-    return {std::min(box.xmin, west - mapping_.dx), box.ymin, std::max(box.xmax, east + mapping_.dx), box.ymax};
+    return {west - mapping_.dx / 2, box.ymin, east + mapping_.dx / 2, box.ymax};
   // Of the writings those that have a cell or more of the raster.
   struct Part {
     double shift, west, east;

@@ -120,10 +120,10 @@ TEST_F(Commands, AnAnswerWithoutTrianglesSaysWhy) {
   raster = crop(raster, 0, 0, 1, 50);
   make_raster("line.tif");
   const Outcome ingest = talus({"ingest", "line.tif", "line.talus"});
-  EXPECT_THAT(ingest.out, ::testing::HasSubstr("one sample wide"));
+  EXPECT_THAT(ingest.err, ::testing::HasSubstr("talus: note: the raster is one sample wide"));
   const Outcome query = talus({"query", "line.talus", "--tolerance=-0"});
   EXPECT_EQ(query.exit_code, done) << query.err;
-  EXPECT_THAT(query.out, ::testing::HasSubstr("no triangle"));
+  EXPECT_THAT(query.err, ::testing::HasSubstr("no triangle"));
   EXPECT_THAT(query.out, ::testing::Not(::testing::HasSubstr("-0 m")));
 }
 
