@@ -56,6 +56,7 @@ Exit run(std::vector<std::string> arguments) {
       "not a database, 4 disk full, 5 differs from its source or lies beyond its bound, 130 interrupted.");
   Action action;
   add_ingest(program, action);
+  add_compact(program, action);
   add_info(program, action);
   add_query(program, action);
   add_height(program, action);
@@ -75,8 +76,8 @@ Exit run(std::vector<std::string> arguments) {
     return std::fflush(stdout) == 0 ? Exit::done : complain("cannot write to standard output", Exit::failed);
   } catch (const CLI::ParseError& error) {
     if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
-      return complain(fmt::format("there is no subcommand {}; there are ingest, info, query, height, profile, merge, convert, "
-                                  "accuracy and verify",
+      return complain(fmt::format("there is no subcommand {}; there are ingest, compact, info, query, height, profile, merge, "
+                                  "convert, accuracy and verify",
                                   first),
                       Exit::usage);
     }

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include "engine/grid.hpp"
 #include "ingest/crs.hpp"
@@ -199,15 +198,6 @@ void take_voids(GDALRasterBandH band, RasterFacts& facts) {
   }
 }
 
-void take_file(RasterFacts& facts) {
-  struct stat about {};
-  if (stat(facts.file.c_str(), &about) != 0) {
-    throw Failure(Cause::io, fmt::format("cannot look at {}", facts.name));
-  }
-  facts.bytes = static_cast<std::uint64_t>(about.st_size);
-  facts.modified_ns = std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec;
-}
-
 std::uint64_t block_bytes_of(GDALDatasetH dataset) {
   GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
   if (band == nullptr) return 0;
@@ -254,7 +244,8 @@ RasterFacts look_at(const fs::path& file, const InputOptions& options) {
   facts.file = admitted.file;
   facts.name = file.string();
   facts.driver = admitted.driver;
-  take_file(facts);
+  facts.bytes = admitted.files.front().bytes;
+  facts.files = std::move(admitted.files);
   GdalScope gdal;
   const DatasetOwner owner = admitted.dataset ? std::move(admitted.dataset) : open_dataset(facts);  // which says why
   GDALDatasetH dataset = owner.get();

@@ -12,6 +12,7 @@
 #include <gdal.h>
 #include <gdalwarper.h>
 
+#include "ingest/file_state.hpp"
 #include "ingest/gdal_handles.hpp"
 #include "talus/description.hpp"
 #include "talus/ingest.hpp"
@@ -35,7 +36,7 @@ struct RasterFacts {
   std::string name;            ///< as failures call it: as it was named
   std::string driver;
   std::uint64_t bytes = 0;
-  std::int64_t modified_ns = 0;  ///< since 1970
+  std::vector<FileState> files;  ///< all that it is read from
 
   GDALDataType type = GDT_Unknown;
   int cols = 0, rows = 0;

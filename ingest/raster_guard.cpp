@@ -108,11 +108,14 @@ class Guard {
 
   AdmittedRaster admit(const fs::path& file) {
     const fs::path real = regular_file(file);
+    note(real);
     const std::string driver = identify(real);
     seen_.insert(real);
     if (driver == "VRT") check_vrt(real);
     return {real, driver, check_side_files(real, driver)};
   }
+
+  [[nodiscard]] std::vector<FileState> take_files() { return std::move(files_); }
 
  private:
   std::string identify(const fs::path& file) const {
@@ -160,7 +163,18 @@ class Guard {
                                 "gdal_translate first",
                                 file.string()));
     }
+    if (dataset) {
+      const CPLStringList behind{GDALGetFileList(dataset.get())};
+      for (int i = 0; i < behind.Count(); ++i) note(behind[i]);
+    }
     return dataset;
+  }
+
+  // Files that GDAL reads beside those that are admitted: headers, world files, statistics.
+  void note(const fs::path& file) {
+    std::error_code error;
+    const fs::path real = fs::canonical(file, error);
+    if (!error && fs::is_regular_file(real, error) && noted_.insert(real).second) files_.push_back(state_of(real));
   }
 
   void check_vrt(const fs::path& vrt) {
@@ -288,7 +302,8 @@ class Guard {
   }
 
   std::vector<const char*> drivers_;  // that may open files; ends in null
-  std::set<fs::path> seen_;
+  std::set<fs::path> seen_, noted_;
+  std::vector<FileState> files_;  // what was noted, in order
   std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
 };
 
@@ -296,7 +311,10 @@ class Guard {
 
 AdmittedRaster admit_raster(const fs::path& file, const std::vector<std::string>& allow_drivers) {
   GdalScope gdal;
-  return Guard{allow_drivers}.admit(file);
+  Guard guard{allow_drivers};
+  AdmittedRaster admitted = guard.admit(file);
+  admitted.files = guard.take_files();
+  return admitted;
 }
 
 bool looks_like_raster(const fs::path& file, const std::vector<std::string>& allow_drivers) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/file_state.hpp"
 #include "ingest/gdal_handles.hpp"
 
 namespace talus {
@@ -19,6 +20,8 @@ struct AdmittedRaster {
   std::filesystem::path file;  ///< absolute, symbolic links resolved: what is to be opened
   std::string driver;          ///< the one GDAL driver to open it with
   DatasetOwner dataset;        ///< opened to be looked at; null where GDAL could not
+  /// All files it is read from, itself first: sources of virtual rasters, headers, masks, world files.
+  std::vector<FileState> files = {};
 };
 
 /// allow_drivers  GDAL drivers the user vouches for, beyond the list

@@ -10,7 +10,6 @@
 #include <utility>
 #include <variant>
 
-#include <cpl_string.h>
 #include <fmt/format.h>
 
 #include "engine/large_memory.hpp"
@@ -19,8 +18,8 @@
 #include "ingest/open_rasters.hpp"
 #include "ingest/placement.hpp"
 #include "ingest/raster_facts.hpp"
+#include "ingest/raster_guard.hpp"
 #include "ingest/raster_source.hpp"
-#include "storage/checksum.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -195,7 +194,7 @@ InputFile as_input(const RasterFacts& raster) {
   input.cols = raster.cols;
   input.rows = raster.rows;
   input.bytes = raster.bytes;
-  input.modified_ns = raster.modified_ns;
+  input.files = raster.files;
   input.void_value = raster.void_text;
   input.is_resampled = raster.warp.has_value();
   input.place = raster.place;
@@ -238,6 +237,7 @@ struct Source::Plan {
   std::vector<std::size_t> order;  // the last is on top
   std::vector<InputFile> inputs;
   std::vector<std::string> notes;
+  std::vector<std::string> allow_drivers;
 };
 
 struct Source::Reader {
@@ -352,6 +352,7 @@ Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options)
   const auto made = std::make_shared<Plan>();
   Plan& plan = *made;
   plan.notes = std::move(list.notes);
+  plan.allow_drivers = options.allow_drivers;
   for (const fs::path& file : list.files) plan.rasters.push_back(look_at(file, options));
 
   const Placement placement = place_on_one_grid(plan.rasters, options);
@@ -484,17 +485,8 @@ SeamReport joined(const SeamReport& a, const SeamReport& b) {
   return both;
 }
 
-std::uint64_t Source::checksum(std::size_t input) const {
-  const RasterFacts& raster = plan_->rasters.at(input);
-  std::vector<fs::path> files;
-  {
-    GdalScope gdal;
-    const DatasetOwner dataset = open_dataset(raster);
-    const CPLStringList list{GDALGetFileList(dataset.get())};
-    for (int i = 0; i < list.Count(); ++i) files.emplace_back(list[i]);
-  }
-  if (files.empty()) files.push_back(raster.file);
-  return checksum_of_files(files);
+std::vector<FileState> Source::files_now(std::size_t input) const {
+  return admit_raster(plan_->rasters.at(input).file, plan_->allow_drivers).files;
 }
 
 Grid grid_of(const Description& d) {
