@@ -13,6 +13,7 @@ enum class Exit : int { done = 0, failed = 1, usage = 2, corrupt = 3, full = 4, 
 using Action = std::function<Exit()>;
 
 void add_ingest(CLI::App& program, Action& action);
+void add_compact(CLI::App& program, Action& action);
 void add_info(CLI::App& program, Action& action);
 void add_query(CLI::App& program, Action& action);
 void add_height(CLI::App& program, Action& action);

@@ -61,8 +61,6 @@ void settle_options(Request& request) {
     throw Failure(Cause::invalid_argument, "--no-guarantee goes with --error midpoint; any other bound is kept");
   if (request.update && o.finest_tolerance > 0)
     throw Failure(Cause::invalid_argument, "--tolerance is chosen when a database is made; it does not go with --update");
-  if (request.dry_run && request.update)
-    throw Failure(Cause::invalid_argument, "--dry-run tells of an ingest; it does not go with --update");
 }
 
 IngestReport ingest_with_progress(Request& request) {
@@ -74,8 +72,9 @@ IngestReport ingest_with_progress(Request& request) {
   note_interrupts();
   if (request.update) require_database(request.database());
   if (request.update) return update(request.inputs(), request.database(), request.options);
-  const std::string part = request.database() + ".part";
-  const std::string left = fmt::format("what is done is in {}, here or moved elsewhere --resume goes on with it", part);
+  const std::filesystem::path part = unfinished_file(request.database());
+  const std::string left =
+      fmt::format("what is done is in {}, here or moved elsewhere --resume goes on with it", part.string());
   try {
     return ingest(request.inputs(), request.database(), request.options);
   } catch (const Interrupted&) {
@@ -87,15 +86,38 @@ IngestReport ingest_with_progress(Request& request) {
   }
 }
 
+void add_change(Json& json, const Description& d, const UpdateChange& change) {
+  const bool has_heights = change.samples > change.filled;
+  json["changed_samples"] = change.samples;
+  json["filled_samples"] = change.filled;
+  json["largest_difference"] = change.largest_m;
+  json["largest_at"] = has_heights ? Json{change.x, change.y} : Json();
+  json["changed_region"] = change.samples > 0 ? bounds(d, change.region) : Json();
+}
+
+void add_change(Table& table, const Description& d, const UpdateChange& change) {
+  if (change.samples == 0) {
+    table.add("changes", "nothing: the database holds all these samples already");
+    return;
+  }
+  std::string samples = fmt::format("{} samples", counted(change.samples));
+  if (change.filled > 0) samples += fmt::format(", {} of them void or outside before", counted(change.filled));
+  table.add("changes", samples);
+  if (change.samples > change.filled)
+    table.add("", fmt::format("at most by {} m, at {}, {}", rounded(change.largest_m), change.x, change.y));
+  table.add("", fmt::format("within {}", bounds_text(d, change.region)));
+}
+
 Exit dry_run(const Request& request) {
-  IngestEstimate e = estimate_ingest(request.inputs(), request.options);
+  IngestEstimate e = request.update ? estimate_update(request.inputs(), request.database(), request.options)
+                                    : estimate_ingest(request.inputs(), request.database(), request.options);
   e.notes = with_options(std::move(e.notes));
   const Description& d = e.description;
-  if (std::filesystem::exists(request.database()) && !request.options.overwrite)
+  if (!request.update && std::filesystem::exists(request.database()) && !request.options.overwrite)
     e.notes.push_back(fmt::format("{} exists already; without --overwrite it stays", request.database()));
   notes(e.notes);
   if (request.json) {
-    print(Json{{"database", request.database()},
+    Json json{{"database", request.database()},
                {"source", d.source_name},
                {"type", d.source_type},
                {"cols", d.extent.cols()},
@@ -104,11 +126,14 @@ Exit dry_run(const Request& request) {
                {"threads", e.threads},
                {"estimated_bytes", e.bytes},
                {"estimated_seconds", e.seconds},
-               {"notes", e.notes}});
+               {"notes", e.notes}};
+    if (e.change) add_change(json, d, *e.change);
+    print(json);
     return Exit::done;
   }
   Table table;
-  table.add("would make", request.database());
+  table.add(request.update ? "would update" : "would make", request.database());
+  if (e.change) add_change(table, d, *e.change);
   table.add("samples", fmt::format("{} x {} of {}, {} tiles to settle", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(e.tiles)));
   table.add("file size", fmt::format("about {}", file_size(e.bytes, d.extent)));
@@ -123,12 +148,11 @@ Exit run(Request& request) {
   IngestReport report = ingest_with_progress(request);
   report.notes = with_options(std::move(report.notes));
   const Description& d = report.description;
-  const auto samples = static_cast<std::uint64_t>(d.extent.samples());
   if (d.extent.cols() == 1 || d.extent.rows() == 1)
     report.notes.push_back("the raster is one sample wide or high: no answer will hold a triangle");
   notes(report.notes);
   if (request.json) {
-    print(Json{{"database", request.database()},
+    Json json{{"database", request.database()},
                {"source", d.source_name},
                {"type", d.source_type},
                {"cols", d.extent.cols()},
@@ -137,22 +161,32 @@ Exit run(Request& request) {
                {"maximum", d.maximum},
                {"void_samples", d.void_samples},
                {"tiles", report.tiles},
+               {"samples_now", report.samples},
                {"pages", report.pages},
                {"pages_read_back", report.pages_read_back},
                {"bytes", report.bytes},
                {"seconds", report.seconds},
-               {"notes", report.notes}});
+               {"notes", report.notes}};
+    if (report.change) add_change(json, d, *report.change);
+    print(json);
     return Exit::done;
   }
   Table table;
-  table.add("database", fmt::format("{}, {} pages", request.database(), counted(report.pages)));
+  const bool is_untouched = report.change && report.change->samples == 0 && report.tiles == 0;
+  table.add("database", is_untouched ? fmt::format("{}, as it was", request.database())
+                                     : fmt::format("{}, {} pages", request.database(), counted(report.pages)));
   table.add("file size", file_size(report.bytes, d.extent));
   table.add("samples", fmt::format("{} x {} of {}, {} void", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(d.void_samples)));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
+  if (report.change) add_change(table, d, *report.change);
   if (request.update) table.add("tiles", fmt::format("{} settled anew", counted(report.tiles)));
-  table.add("time", fmt::format("{}, {:.3g} million samples a second", timed(report.seconds),
-                                static_cast<double>(samples) / 1e6 / std::max(report.seconds, 1e-9)));
+  std::string time = timed(report.seconds);
+  if (report.samples > 0) {
+    const double rate = static_cast<double>(report.samples) / 1e6 / std::max(report.seconds, 1e-9);
+    time += fmt::format(", {:.3g} million samples a second", rate);
+  }
+  table.add("time", time);
   print(table);
   return Exit::done;
 }
@@ -189,9 +223,9 @@ void add_ingest(CLI::App& program, Action& action) {
       ->option_text("INPUT... DATABASE")
       ->check(is_named);
   command->add_flag("--overwrite", request->options.overwrite, "Replace the database if it exists");
-  command->add_flag("--resume", request->options.resume, "Go on with an ingest that was interrupted");
-  command->add_flag("--update", request->update, "Put the inputs into a database that exists, over what it holds");
-  command->add_flag("--dry-run", request->dry_run, "Say what would be done, how large and how long; write nothing");
+  command->add_flag("--resume", request->options.resume, "Go on with an ingest that was interrupted; what it left is checked first.\nAn interrupted update begins anew");
+  command->add_flag("--update", request->update, "Put the inputs into a database that exists, over what it holds; say what changed");
+  command->add_flag("--dry-run", request->dry_run, "Say what would be done, how large and how long, with --update what\nwould change; write nothing");
   command->add_option("--memory", request->memory, "Stay below this, whatever the size of the raster")
       ->option_text("BYTES [1GiB]");
   command->add_option("--threads", request->options.threads, "Changes nothing but the time; 0: one a core")
@@ -231,7 +265,8 @@ void add_ingest(CLI::App& program, Action& action) {
       "raster. Samples are pixel centres; nodata, masks, alpha and NaN are voids; scale, offset and unit are applied.\n"
       "Colours are refused unless --decode says how they stand for heights.\n"
       "Tiles on one grid are joined; others are refused unless an option says how to resample them.\n"
-      "Interrupted, killed or out of disk, it leaves DATABASE.part, and --resume goes on.\n"
+      "Interrupted, killed or out of disk, it leaves DATABASE.part, and --resume goes on. An input that changes\n"
+      "meanwhile, or a file that it names, is a failure.\n"
       "\nExamples:\n"
       "  talus ingest alps.tif alps.talus\n"
       "  talus ingest tiles/ country.talus --memory 512MiB\n"

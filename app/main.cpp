@@ -88,6 +88,7 @@ Exit run(std::vector<std::string> arguments, bool json) {
       "not a database, 4 disk full, 5 differs from its source or lies beyond its bound, 130 interrupted.");
   Action action;
   add_ingest(program, action);
+  add_compact(program, action);
   add_info(program, action);
   add_query(program, action);
   add_height(program, action);
@@ -110,7 +111,7 @@ Exit run(std::vector<std::string> arguments, bool json) {
   } catch (const CLI::ParseError& error) {
     if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
       return complain(
-          misused(fmt::format("there is no subcommand {}; there are ingest, info, query, height, profile, merge, "
+          misused(fmt::format("there is no subcommand {}; there are ingest, compact, info, query, height, profile, merge, "
                               "convert, accuracy and verify",
                               first)),
           json);

@@ -22,8 +22,10 @@ std::string line_of(const IngestProgress& now) {
     line += fmt::format("...{}", 10 * i);
   if (now.fraction >= 1) return line + " - done.";
   line += fmt::format("  {}", now.stage);
-  if (now.samples > 0 && now.seconds > 0)
-    line += fmt::format(", {:.3g} million samples/s", static_cast<double>(now.samples) / 1e6 / now.seconds);
+  if (now.samples > now.samples_before && now.seconds > 0) {
+    const auto done = static_cast<double>(now.samples - now.samples_before);
+    line += fmt::format(", {:.3g} million samples/s", done / 1e6 / now.seconds);
+  }
   if (now.seconds_left >= 0) line += fmt::format(", {} s left", std::ceil(now.seconds_left));
   return line;
 }
@@ -63,6 +65,7 @@ void Progress::show(const IngestProgress& now) {
     const Json json{{"fraction", now.fraction},
                     {"stage", now.stage},
                     {"samples", now.samples},
+                    {"samples_before", now.samples_before},
                     {"all_samples", now.all_samples},
                     {"seconds", now.seconds},
                     {"seconds_left", now.seconds_left >= 0 ? Json(now.seconds_left) : Json()}};

@@ -1,12 +1,14 @@
 #include "talus/ingest.hpp"
 
-#include <algorithm>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "engine/manifest.hpp"
+#include "ingest/input_files.hpp"
 #include "ingest/job.hpp"
+#include "ingest/left_work.hpp"
 #include "ingest/part_file.hpp"
 #include "ingest/plan.hpp"
 
@@ -15,33 +17,34 @@ namespace {
 
 /// Of a database that was finished and lacked only its seal or its name when the ingest was cut short: its plan is gone,
 /// but it says what it was made from.
-bool was_made_of(const Provenance& made, const Source& source, const IngestOptions& options) {
+bool was_made_of(const Provenance& made, const Source& source, const InputFiles& files, const IngestOptions& options) {
   if (made.made_by != made_by(options) || made.sources.size() != source.inputs().size()) return false;
   for (std::size_t i = 0; i < made.sources.size(); ++i) {
     const SourceFile& then = made.sources[i];
     const InputFile& now = source.inputs()[i];
-    if (then.name != now.name || then.bytes != now.bytes || then.checksum != source.checksum(i)) return false;
+    if (then.name != now.name || then.bytes != now.bytes || then.checksum != files.checksum(i)) return false;
   }
   return true;
 }
 
-/// Puts down what is to be done, or holds it against what an interrupted ingest had put down.
-void agree_on_plan(PageWriter& writer, const std::vector<std::byte>& plan, const Source& source,
-                   const IngestOptions& options, const std::filesystem::path& part) {
-  {
-    const ReadTxn view = writer.committed();
-    if (const auto left = view.find({kHeaderTable, kPlanPosition})) {
-      if (std::equal(plan.begin(), plan.end(), left->content.begin(), left->content.end())) return;
-      const auto made = view.find({kHeaderTable, kProvenancePosition});
-      if (left->content.empty() && made && was_made_of(decode_provenance(made->content), source, options)) return;
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{}: was begun with other inputs or options, or they have changed since; go on with "
-                                "those, or start anew without --resume by --overwrite",
-                                part.string()));
-    }
-  }
-  writer.put({kHeaderTable, kPlanPosition}, plan);  // with the first tiles: small files have few transactions
+/// Why an ingest cannot go on with what another one left; empty if it can.
+std::string obstacle(const LeftWork& left, const std::string& plan, const Source& source, const InputFiles& files,
+                     const IngestOptions& options) {
+  if (left.kind == LeftWork::Kind::ingest) return difference_of(left.plan, plan);
+  if (left.kind != LeftWork::Kind::finished) return "";
+  return was_made_of(*left.made, source, files, options) ? "" : "it was finished with other inputs or options";
 }
+
+/// Holds what was left against what is to be done.
+void require_same_work(const LeftWork& left, const std::string& plan, const Source& source, const InputFiles& files,
+                       const IngestOptions& options, const std::filesystem::path& part) {
+  const std::string why = obstacle(left, plan, source, files, options);
+  if (why.empty()) return;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{}: cannot be resumed: {}. Start again with IngestOptions::overwrite", part.string(), why), part);
+}
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
 /// Whether there is work to go on with: tiles, or a file that lacks its seal or its name only.
 bool holds_tiles(PageWriter& writer) {
@@ -66,13 +69,26 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
                     : options.overwrite ? PartFile::Left::replace
                                         : PartFile::Left::refuse;
   PartFile part(database, options.overwrite, left);
+  const auto tell = [&] {
+    if (options.progress) options.progress({0, "checksums of the inputs"});
+  };
+  const LeftWork left_before = part.left().value_or(LeftWork{});
+  InputFiles files(source, files_of(left_before.plan), tell);
+  const std::string plan = plan_of(source, files, job.description, options);
+  if (part.left()) {
+    require_same_work(left_before, plan, source, files, options, part.path());
+    verify_left_work(part.path(), job.description, [&] {
+      if (options.progress) options.progress({0, "checking what was left"});
+    });
+  }
+  job.files = &files;
   std::optional<PageWriter> writer(std::in_place, part.path());
-  if (options.resume) part.keep();  // whatever happens now, what was there stays
-  agree_on_plan(*writer, plan_of(source, job.description, options), source, options, part.path());
+  if (left_before.kind != LeftWork::Kind::finished) writer->put({kHeaderTable, kPlanPosition}, bytes_of(plan));  // with the first tiles
   IngestReport report;
   try {
     report = run(job, source, {{}, made_by(options), 0, {}}, *writer);
   } catch (const Failure& f) {
+    if (files.is_changed()) part.keep(false);  // some tiles may be of the old files and some of the new
     if (f.cause() == Cause::full && holds_tiles(*writer)) part.keep();
     throw;
   } catch (...) {  // interrupted: what is done is worth keeping
@@ -86,7 +102,9 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   return report;
 }
 
-IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const IngestOptions& options) {
+IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                               const IngestOptions& options) {
+  require_target(database, options.overwrite, 0);
   const Source source(inputs, options.inputs);
   Description description = source.description();
   description.void_weight = options.void_weight;
@@ -94,9 +112,13 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
   description.finest_tolerance = options.finest_tolerance;
   description.error_kind = options.error_kind;
   description.error_metric = options.error_metric;
-  return estimate(job_of(description, code_bytes(code_kind(source.description())), source.block_bytes(),
-                         [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options),
-                  source);
+  const Job job = job_of(
+      description, code_bytes(code_kind(source.description())), source.block_bytes(),
+      [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
+  IngestEstimate sum =
+      estimate(job, source, [&](TileId id) { return source.touches(tile_window(id, description.extent)); });
+  require_target(database, options.overwrite, sum.bytes);
+  return sum;
 }
 
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,

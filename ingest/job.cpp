@@ -38,7 +38,7 @@ class Teller {
     const double seconds = std::chrono::duration<double>(Clock::now() - job_.started).count();
     const double before = kTileShare * static_cast<double>(before_) / static_cast<double>(all());
     const double left = fraction > before + 0.005 ? seconds * (1 - fraction) / (fraction - before) : -1;
-    job_.options.progress({fraction, stage, samples, all(), seconds, left});
+    job_.options.progress({fraction, stage, samples, all(), seconds, left, before_});
   }
 
   const Job& job_;
@@ -120,6 +120,7 @@ void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
   }
   std::erase_if(panels, [](const Panel& panel) { return panel.tiles.empty(); });
   if (panels.empty()) return;
+  const std::uint64_t settled_before = settled;
   Teller teller(job, settled);
   teller.tiles(settled);
 
@@ -133,6 +134,7 @@ void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const Window& panel = *wait_for(next, teller, settled);
     if (i + 1 < panels.size()) next = read(i + 1);
+    job.files->require_unchanged(panels[i].window);  // no tile of this panel is written yet
     std::deque<std::future<TilePages>> under_way;
     const std::vector<TileId>& tiles = panels[i].tiles;
     for (std::size_t done = 0, given = 0; done < tiles.size(); ++done) {
@@ -148,6 +150,7 @@ void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
       teller.tiles(settled);
     }
   }
+  report.samples = settled - settled_before;
 }
 
 // ---- stage two: what is larger than a tile -----------------------------------------------------------
@@ -218,6 +221,7 @@ void finish(Job& job, PageWriter& writer, const Totals& totals, const std::vecto
   d.maximum = totals.highest;
   for (const PageBytes& page : pages) writer.put(page.key, page.content, page.generation);
   const Manifest manifest{d, job.making.bands, provenance.generation, top_generations(job, pages)};
+  provenance.vertices_above.clear();  // those of the generation before
   for (std::size_t i = 0; i < kErrorRungs; ++i) provenance.vertices_above.emplace_back(error_rung(i), totals.errors[i]);
   writer.put({kHeaderTable, kPlanPosition}, {}, provenance.generation);  // nothing is left to resume
   writer.put({kHeaderTable, kProvenancePosition}, encode(provenance), provenance.generation);
@@ -268,7 +272,7 @@ void require_sense(const IngestOptions& options) {
 Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
            const IngestOptions& options) {
   require_sense(options);
-  Job job{options, description, std::move(read), {}, {}, ground_scale(description), {}, {}};
+  Job job{options, description, std::move(read), {}, {}, nullptr, ground_scale(description), {}, {}};
   const Description& d = job.description;
   job.is_stale = [](TileId) { return false; };
   job.distance = CodeDistance(d.step, d.metres_per_unit);
@@ -278,14 +282,14 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   return job;
 }
 
-IngestEstimate estimate(const Job& job, const Source& source) {
+IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
   IngestEstimate sum;
   sum.description = job.description;
   sum.threads = job.budget.threads;
   std::vector<TileId> tiles;
   for (const Panel& panel : panels_of(job.description.extent, 1)) {
     for (const TileId id : panel.tiles) {
-      if (source.touches(tile_window(id, job.description.extent))) tiles.push_back(id);
+      if (is_wanted(id)) tiles.push_back(id);
     }
   }
   sum.tiles = tiles.size();
@@ -328,11 +332,12 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
                                                        job.description.source_name, job.description.extent.samples()));
   }
   report.pages += coarse.size();
-  teller.rest("checksums of the inputs", 0.98);
+  teller.rest("looking at the inputs again", 0.98);
+  job.files->require_unchanged([&] { teller.rest("looking at the inputs again", 0.98); });
   for (std::size_t i = 0; i < source.inputs().size(); ++i) {
     const InputFile& input = source.inputs()[i];
     provenance.sources.push_back(
-        {input.name, input.driver, input.type, input.cols, input.rows, input.bytes, source.checksum(i)});
+        {input.name, input.driver, input.type, input.cols, input.rows, input.bytes, job.files->checksum(i)});
   }
   finish(job, writer, totals, coarse, std::move(provenance));
   teller.rest("sealing", 0.99);

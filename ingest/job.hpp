@@ -7,6 +7,7 @@
 #include "engine/geodesy.hpp"
 #include "engine/manifest.hpp"
 #include "ingest/budget.hpp"
+#include "ingest/input_files.hpp"
 #include "ingest/panels.hpp"
 #include "ingest/source.hpp"
 #include "ingest/tile_pages.hpp"
@@ -22,6 +23,7 @@ struct Job {
   ReadWindow read;
   std::function<bool(TileId)> is_stale;  ///< whether a tile that is there must be made anew
   PageMaking making;
+  InputFiles* files = nullptr;  ///< looked at again after each panel is read, and before the file is finished
   // From these follow:
   GroundScale ground;
   CodeDistance distance;
@@ -34,8 +36,8 @@ struct Job {
 [[nodiscard]] Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
                          const IngestOptions& options);
 
-/// Settles a few tiles, keeps nothing and tells what all would take.
-[[nodiscard]] IngestEstimate estimate(const Job& job, const Source& source);
+/// Settles a few of the tiles that are wanted, keeps nothing and tells what all would take.
+[[nodiscard]] IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted);
 
 /// Settles all tiles that are not there or are stale, then what is larger than a tile, and finishes the file.
 /// fails  invalid_argument: all void; full, io, and what reading fails with

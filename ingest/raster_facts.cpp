@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include "engine/grid.hpp"
 #include "ingest/crs.hpp"
@@ -311,15 +310,6 @@ void take_colour_code(RasterFacts& facts) {
   facts.offset = facts.decode == ColourCode::terrarium ? -32768 : -10000;
 }
 
-void take_file(RasterFacts& facts) {
-  struct stat about {};
-  if (stat(facts.file.c_str(), &about) != 0) {
-    throw Failure(Cause::io, fmt::format("cannot look at {}", facts.name));
-  }
-  facts.bytes = static_cast<std::uint64_t>(about.st_size);
-  facts.modified_ns = std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec;
-}
-
 std::uint64_t block_bytes_of(GDALDatasetH dataset) {
   GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
   if (band == nullptr) return 0;
@@ -403,7 +393,8 @@ RasterFacts look_at(AdmittedRaster input, const fs::path& file, const InputOptio
     facts.name = file.string();
     facts.driver = input.driver;
     facts.variable = input.variable;
-    take_file(facts);
+    facts.bytes = input.files.front().bytes;
+    facts.files = std::move(input.files);
     GdalScope gdal;
     GDALDatasetH dataset = input.dataset.get();
     take_band(dataset, options, facts);

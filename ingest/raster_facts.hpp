@@ -12,6 +12,7 @@
 
 #include <gdal.h>
 
+#include "ingest/file_state.hpp"
 #include "ingest/gdal_handles.hpp"
 #include "ingest/raster_guard.hpp"
 #include "talus/description.hpp"
@@ -38,7 +39,7 @@ struct RasterFacts {
   std::string driver;
   std::string variable;  ///< of a file that holds several rasters
   std::uint64_t bytes = 0;
-  std::int64_t modified_ns = 0;  ///< since 1970
+  std::vector<FileState> files;  ///< all that it is read from
 
   int band = 1;             ///< that holds the heights; with a colour code the first of three
   std::vector<int> alphas;  ///< bands that say where the raster is transparent: where one is not above 0, nothing is data

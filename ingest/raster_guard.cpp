@@ -151,14 +151,17 @@ class Guard {
 
   AdmittedRaster admit(const fs::path& file) {
     const fs::path real = regular_file(file);
+    note(real);
     const std::string driver = identify(real);
     seen_.insert(real);
     if (driver == "VRT") check_vrt(real);
     check_side_files(real);
-    AdmittedRaster raster{real, driver, {}, open(real, driver, ""), interpolates_};
+    AdmittedRaster raster{real, driver, {}, open(real, driver, ""), interpolates_, {}};
     if (raster.dataset) choose_variable(raster, file);
     return raster;
   }
+
+  [[nodiscard]] std::vector<FileState> take_files() { return std::move(files_); }
 
  private:
   std::string identify(const fs::path& file) const {
@@ -203,13 +206,14 @@ class Guard {
                                   "whose files may be read, such as {}",
                                   side.string(), real.string(), real.parent_path().string()));
       }
+      note(real);
       const std::string ending = upper(side.extension().string());
       if (ending == ".MSK" || ending == ".OVR") admit_inner(side);
     }
   }
 
   // An overview file that the metadata names may lie anywhere.
-  static DatasetOwner open(const fs::path& file, const std::string& driver, const std::string& variable) {
+  DatasetOwner open(const fs::path& file, const std::string& driver, const std::string& variable) {
     if (is_of_hdf5(driver)) quiet_hdf5();
     const std::array<const char*, 2> only{driver.c_str(), nullptr};
     DatasetOwner dataset{GDALOpenEx(name_to_open(file, driver, variable).c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
@@ -219,11 +223,15 @@ class Guard {
                                 "gdal_translate first",
                                 file.string()));
     }
+    if (dataset) {
+      const CPLStringList behind{GDALGetFileList(dataset.get())};
+      for (int i = 0; i < behind.Count(); ++i) note(behind[i]);
+    }
     return dataset;
   }
 
   /// Of a file without bands of its own but with rasters in it.
-  void choose_variable(AdmittedRaster& raster, const fs::path& named) const {
+  void choose_variable(AdmittedRaster& raster, const fs::path& named) {
     const std::vector<std::string> variables = variables_of(raster.dataset.get());
     const bool has_bands = GDALGetRasterCount(raster.dataset.get()) > 0;
     if (options_.variable.empty()) {
@@ -239,6 +247,13 @@ class Guard {
     }
     raster.variable = options_.variable;
     raster.dataset = open(raster.file, raster.driver, raster.variable);
+  }
+
+  // Files that GDAL reads beside those that are admitted: headers, world files, statistics.
+  void note(const fs::path& file) {
+    std::error_code error;
+    const fs::path real = fs::canonical(file, error);
+    if (!error && fs::is_regular_file(real, error) && noted_.insert(real).second) files_.push_back(state_of(real));
   }
 
   void check_vrt(const fs::path& vrt) {
@@ -369,7 +384,8 @@ class Guard {
 
   const InputOptions& options_;
   std::vector<const char*> drivers_;  // that may open files; ends in null
-  std::set<fs::path> seen_;
+  std::set<fs::path> seen_, noted_;
+  std::vector<FileState> files_;  // what was noted, in order
   bool interpolates_ = false;
   std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
 };
@@ -378,7 +394,10 @@ class Guard {
 
 AdmittedRaster admit_raster(const fs::path& file, const InputOptions& options) {
   GdalScope gdal;
-  return Guard{options}.admit(file);
+  Guard guard{options};
+  AdmittedRaster admitted = guard.admit(file);
+  admitted.files = guard.take_files();
+  return admitted;
 }
 
 bool looks_like_raster(const fs::path& file, const InputOptions& options) {

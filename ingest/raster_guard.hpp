@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "ingest/file_state.hpp"
 #include "ingest/gdal_handles.hpp"
 #include "talus/ingest.hpp"
 
@@ -23,6 +24,8 @@ struct AdmittedRaster {
   std::string variable;        ///< of a file that holds several rasters; empty: the file holds one
   DatasetOwner dataset;        ///< opened to be looked at; null where GDAL could not
   bool interpolates = false;   ///< a virtual raster that resamples its sources otherwise than by the nearest sample
+  /// All files it is read from, itself first: sources of virtual rasters, headers, masks, world files.
+  std::vector<FileState> files = {};
 };
 
 /// fails  not_found; unsupported: no local file, a driver not on the list, a virtual raster that reaches out, several

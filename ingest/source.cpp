@@ -11,7 +11,6 @@
 #include <utility>
 #include <variant>
 
-#include <cpl_string.h>
 #include <fmt/format.h>
 
 #include "engine/large_memory.hpp"
@@ -20,9 +19,9 @@
 #include "ingest/open_rasters.hpp"
 #include "ingest/placement.hpp"
 #include "ingest/raster_facts.hpp"
+#include "ingest/raster_guard.hpp"
 #include "ingest/resampled_rasters.hpp"
 #include "ingest/void_doubts.hpp"
-#include "storage/checksum.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -197,7 +196,7 @@ InputFile as_input(const RasterFacts& raster) {
   input.cols = raster.cols;
   input.rows = raster.rows;
   input.bytes = raster.bytes;
-  input.modified_ns = raster.modified_ns;
+  input.files = raster.files;
   input.void_value = raster.void_text;
   input.is_resampled = raster.warp.has_value();
   input.place = raster.place;
@@ -263,6 +262,7 @@ struct Source::Plan {
   std::vector<Layer> layers;  // the last is on top
   std::vector<InputFile> inputs;
   std::vector<std::string> notes;
+  InputOptions options;
 };
 
 struct Source::Reader {
@@ -392,6 +392,7 @@ Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options)
   const auto made = std::make_shared<Plan>();
   Plan& plan = *made;
   plan.notes = std::move(list.notes);
+  plan.options = options;
   std::vector<std::string> broken;
   for (const fs::path& file : list.files) {
     AdmittedRaster input;
@@ -547,17 +548,8 @@ SeamReport joined(const SeamReport& a, const SeamReport& b) {
   return both;
 }
 
-std::uint64_t Source::checksum(std::size_t input) const {
-  const RasterFacts& raster = plan_->rasters.at(input);
-  std::vector<fs::path> files;
-  {
-    GdalScope gdal;
-    const DatasetOwner dataset = open_dataset(raster);
-    const CPLStringList list{GDALGetFileList(dataset.get())};
-    for (int i = 0; i < list.Count(); ++i) files.emplace_back(list[i]);
-  }
-  if (files.empty()) files.push_back(raster.file);
-  return checksum_of_files(files);
+std::vector<FileState> Source::files_now(std::size_t input) const {
+  return admit_raster(plan_->rasters.at(input).file, plan_->options).files;
 }
 
 Grid grid_of(const Description& d) {

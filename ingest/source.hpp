@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/height_field.hpp"
+#include "ingest/file_state.hpp"
 #include "talus/description.hpp"
 #include "talus/ingest.hpp"
 #include "talus/units.hpp"
@@ -21,7 +22,7 @@ struct InputFile {
   std::string driver, type;
   std::int64_t cols = 0, rows = 0;
   std::uint64_t bytes = 0;
-  std::int64_t modified_ns = 0;  ///< since 1970
+  std::vector<FileState> files;  ///< all that it is read from, as they were before they were opened
   std::string void_value;        ///< "-32768", "nan", "mask", "alpha"; empty: nothing is void
   bool is_resampled = false;
   GridRect place{{0, 0}, {-1, -1}};  ///< on the common grid
@@ -91,8 +92,8 @@ class Source {
   /// Sentences on heights that look as if they meant no data, from what was read and the range of all heights.
   [[nodiscard]] std::vector<std::string> doubts(double minimum, double maximum) const;
 
-  /// XXH3 over the bytes of an input's files; a virtual raster counts with its sources. Reads them all.
-  [[nodiscard]] std::uint64_t checksum(std::size_t input) const;
+  /// The files that an input would be read from if it were opened now. Fails as the constructor does.
+  [[nodiscard]] std::vector<FileState> files_now(std::size_t input) const;
 
  private:
   struct Plan;

@@ -1,13 +1,17 @@
 #include <algorithm>
-#include <optional>
+#include <span>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "ingest/base.hpp"
+#include "ingest/changes.hpp"
+#include "ingest/gdal_scope.hpp"
+#include "ingest/input_files.hpp"
 #include "ingest/job.hpp"
 #include "ingest/part_file.hpp"
 #include "ingest/plan.hpp"
+#include "ingest/sound_file.hpp"
 
 namespace talus {
 namespace {
@@ -21,19 +25,13 @@ GridRect common(GridRect a, GridRect b) {
           {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
 }
 
-Codes codes_of_kind(std::size_t kind, std::size_t n) {
-  if (kind == 0) return std::vector<std::int16_t>(n);
-  if (kind == 1) return std::vector<float>(n);
-  return std::vector<double>(n);
-}
-
 /// The new samples over the old ones; what is void in the new does not cover.
-Window laid_over(const Base& base, const Source& source, std::size_t kind, GridRect part, GridRect own) {
+Window laid_over(const Base& base, const Source& source, std::size_t kind, GridRect part) {
   Window window{part, codes_of_kind(kind, static_cast<std::size_t>(part.samples())), {}};
   window.valid.assign(static_cast<std::size_t>(part.samples()), 0);
   const GridRect fresh = common(part, source.description().extent);
   if (fresh.cols() > 0 && fresh.rows() > 0) {
-    const Window read = source.read(fresh, common(own, fresh));
+    const Window read = source.read(fresh);
     for (std::int32_t row = fresh.first.row; row <= fresh.last.row; ++row) {
       for (std::int32_t col = fresh.first.col; col <= fresh.last.col; ++col) {
         const auto in = [&](GridRect r) {
@@ -71,51 +69,118 @@ void require_all_samples(const Description& base, const std::filesystem::path& d
                             database.string(), base.finest_tolerance));
 }
 
+/// A database, what is put into it, and what that changes.
+struct Updating {
+  Updating(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database, const IngestOptions& asked)
+      : base(database), before(base.manifest().description), options(asked_of(before, database, asked)),
+        source(inputs, options.inputs), description(before) {
+    require_same_heights(before, source.description());
+    description.extent = around(before.extent, source.description().extent);
+    kind = std::max(code_kind(before), code_kind(source.description()));
+    if (kind > code_kind(before)) description.source_type = source.description().source_type;
+  }
+
+  [[nodiscard]] Job job() const {
+    Job made = job_of(
+        description, code_bytes(kind), source.block_bytes(),
+        [this](Window& into, GridRect part, GridRect) { into = laid_over(base, source, kind, part); }, options);
+    made.is_stale = [this](TileId id) { return is_stale(id); };
+    return made;
+  }
+  [[nodiscard]] bool is_stale(TileId id) const {
+    const GridRect window = tile_window(id, description.extent);
+    return changes.touches(window) || !(window == tile_window(id, before.extent));
+  }
+  /// Finds out what changes; a pass over the new samples and the old ones beneath them.
+  void compare(const Job& job) {
+    const RasterCache cache(job.budget.gdal_cache_bytes);
+    changes = changes_by(base, source, kind, job.budget.tiles_across, [&] {
+      if (options.progress) options.progress({0, "comparing with the database"});
+    });
+  }
+  [[nodiscard]] bool changes_nothing() const { return changes.sum.samples == 0 && description.extent == before.extent; }
+
+  Base base;
+  const Description& before;
+  IngestOptions options;
+  Source source;
+  Description description;
+  std::size_t kind = 0;
+  Changes changes;
+
+ private:
+  static IngestOptions asked_of(const Description& before, const std::filesystem::path& database, const IngestOptions& asked) {
+    require_all_samples(before, database);
+    IngestOptions options = asked;
+    options.void_weight = before.void_weight;
+    options.error_kind = before.error_kind;
+    options.error_metric = before.error_metric;
+    options.no_guarantee = true;  // said when the database was made
+    options.inputs.grid = grid_of(before);
+    options.inputs.height_step = 2 * before.lossy_metres;  // rounded as the rest
+    return options;
+  }
+};
+
 }  // namespace
 
 IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& asked) {
-  const Base base(database);
-  const Description& before = base.manifest().description;
-  require_all_samples(before, database);
-  IngestOptions options = asked;
-  options.void_weight = before.void_weight;
-  options.error_kind = before.error_kind;
-  options.error_metric = before.error_metric;
-  options.no_guarantee = true;  // said when the database was made
-  options.inputs.grid = grid_of(before);
-  options.inputs.height_step = 2 * before.lossy_metres;  // rounded as the rest
-  const Source source(inputs, options.inputs);
-  require_same_heights(before, source.description());
-
-  Description description = before;
-  description.extent = around(before.extent, source.description().extent);
-  const std::size_t kind = std::max(code_kind(before), code_kind(source.description()));
-  if (kind > code_kind(before)) description.source_type = source.description().source_type;
-  Job job = job_of(
-      description, code_bytes(kind), source.block_bytes(),
-      [&](Window& into, GridRect part, GridRect own) { into = laid_over(base, source, kind, part, own); }, options);
-  Provenance provenance = base.provenance();
-  ++provenance.generation;
-  provenance.made_by = made_by(options);
-  const std::uint32_t now = provenance.generation;
-  job.making.generation = [&base, now](PageKey key, std::span<const std::byte> content) {
-    return base.generation_of(key, content, now);
-  };
-  job.is_stale = [&](TileId id) {
-    const GridRect window = tile_window(id, description.extent);
-    return source.touches(window) || !(window == tile_window(id, before.extent));
-  };
-
-  // Readers keep the file they have; the new one takes its name at the end, in one step.
+  const auto started = std::chrono::steady_clock::now();
+  static_cast<void>(PageStore::open(followed(database)));  // who names no database is told so before a file is made
+  // Nobody else writes from here on. Readers keep the file they have; the new one takes its name at the end, in one step.
   PartFile part(database, true, asked.overwrite ? PartFile::Left::replace : PartFile::Left::refuse);
-  part.copy_database();
-  std::optional<PageWriter> writer(std::in_place, part.path());
-  IngestReport report = run(job, source, std::move(provenance), *writer);
-  writer.reset();
-  part.publish();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - job.started).count();
+  require_sound_file(part.target());
+  Updating work(inputs, part.target(), asked);
+  part.require_database_unchanged();  // it is the one that was checked
+  Job job = work.job();
+  const auto tell = [&] {
+    if (asked.progress) asked.progress({0, "checksums of the inputs"});
+  };
+  InputFiles files(work.source, {}, tell);
+  work.compare(job);
+  job.files = &files;
+  IngestReport report;
+  if (work.changes_nothing()) {
+    files.require_unchanged(tell);
+    report.description = work.before;
+    report.bytes = std::filesystem::file_size(part.target());
+    report.notes = work.source.notes();
+  } else {
+    Provenance provenance = work.base.provenance();
+    const std::uint32_t now = ++provenance.generation;
+    provenance.made_by = made_by(work.options);
+    job.making.generation = [&, now](PageKey key, std::span<const std::byte> content) {
+      return work.base.generation_of(key, content, now);
+    };
+    part.copy_database();
+    PageWriter writer(part.path());
+    const std::string plan = plan_of_update(database, work.source);
+    writer.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)), now);
+    writer.commit(true);  // from now on the file says that it is no ingest
+    report = run(job, work.source, std::move(provenance), writer);
+    part.publish();
+  }
+  report.change = work.changes.sum;
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return report;
+}
+
+IngestEstimate estimate_update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                               const IngestOptions& options) {
+  static_cast<void>(PageStore::open(followed(database)));
+  require_target(database, true, 0);
+  require_sound_file(followed(database));
+  Updating work(inputs, followed(database), options);
+  const Job job = work.job();
+  work.compare(job);
+  IngestEstimate sum = estimate(job, work.source, [&](TileId id) { return work.is_stale(id); });
+  sum.change = work.changes.sum;
+  const std::uint64_t bytes = std::filesystem::file_size(followed(database));
+  sum.bytes = work.changes_nothing() ? bytes : bytes + sum.bytes;
+  if (work.changes_nothing()) sum.tiles = 0, sum.seconds = 0;
+  require_target(database, true, work.changes_nothing() ? 0 : sum.bytes);
+  return sum;
 }
 
 }  // namespace talus

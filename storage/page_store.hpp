@@ -54,6 +54,7 @@ class PageStore {
  private:
   friend class ReadTxn;
   friend class PageWriter;
+  friend std::uint64_t write_compact(const PageStore& store, const std::filesystem::path& to);
   explicit PageStore(std::shared_ptr<Environment> environment) : environment_(std::move(environment)) {}
   std::shared_ptr<Environment> environment_;
 };
@@ -116,6 +117,10 @@ class PageWriter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Writes the same pages, generations included, into a file without unused room, and seals it. `to` exists; what it
+/// holds is replaced. Fails with io, full. Returns its size.
+std::uint64_t write_compact(const PageStore& store, const std::filesystem::path& to);
 
 /// What is wrong with a file's seal, see PageWriter::finish: any byte that has changed since. Reads the whole file.
 /// returns  a sentence, empty if every byte is as it was; fails with not_found, io

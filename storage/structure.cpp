@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <optional>
-#include <set>
+#include <span>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -117,7 +117,12 @@ class Walk {
   }
 
   void trees(const Meta& meta) {
-    for (const Tree& tree : meta.trees) walk(tree, &tree == &meta.trees[1]);
+    used_.assign(pages_, false);
+    for (const Tree& tree : meta.trees) {
+      lists_free_ = &tree == &meta.trees[0];
+      walk(tree, !lists_free_);
+    }
+    if (visited_ < limit_ && findings_.empty()) free_pages();
   }
   /// Whether more than `limit` branch and leaf pages were met; the walk ends there.
   void limit(std::uint64_t pages) { limit_ = pages; }
@@ -142,15 +147,13 @@ class Walk {
   }
 
   void node_page(std::uint64_t number, int depth, bool holds_tables) {
-    if (visited_.size() >= limit_ || findings_.size() >= 20) return;
+    if (visited_ >= limit_ || findings_.size() >= 20) return;
     if (number < 2 || number >= pages_) {
       fail(fmt::format("a pointer to page {} of {}", number, pages_));
       return;
     }
-    if (!visited_.insert(number).second) {
-      fail(fmt::format("page {} is in the trees twice", number));
-      return;
-    }
+    ++visited_;
+    if (!use(number, 1)) return;
     std::vector<std::byte> page(page_bytes_);
     file_.read(number * page_bytes_, page.data(), page.size());
     const auto flags = load<std::uint16_t>(&page[10]), lower = load<std::uint16_t>(&page[12]),
@@ -208,7 +211,12 @@ class Walk {
       if (load<std::uint64_t>(header.data()) != first || load<std::uint16_t>(&header[10]) != kOverflow ||
           load<std::uint32_t>(&header[12]) != count) {
         fail(fmt::format("page {}: not the value its leaf says", first));
+        return;
       }
+      if (!use(first, count) || !lists_free_) return;
+      std::vector<std::byte> list(bytes);
+      file_.read(first * page_bytes_ + kPageHeader, list.data(), list.size());
+      note_free(number, list);
       return;
     }
     if (at + bytes > page_bytes_) {
@@ -226,12 +234,50 @@ class Walk {
         return;
       }
       walk(tree, false);
+    } else if (lists_free_) {
+      note_free(number, std::span(page).subspan(at, bytes));
+    }
+  }
+
+  /// False if one of these pages belongs to something else, too.
+  bool use(std::uint64_t first, std::uint64_t count) {
+    for (std::uint64_t page = first; page < first + count; ++page) {
+      if (used_[page]) {
+        fail(fmt::format("page {} is in the trees twice", page));
+        return false;
+      }
+      used_[page] = true;
+    }
+    return true;
+  }
+
+  /// A list of free pages: how many, then their numbers.
+  void note_free(std::uint64_t number, std::span<const std::byte> list) {
+    const std::uint64_t count = list.size() < 8 ? 0 : load<std::uint64_t>(list.data());
+    if (list.size() < 8 || count > list.size() / 8 - 1) {
+      fail(fmt::format("page {}: an impossible list of free pages", number));
+      return;
+    }
+    for (std::uint64_t i = 1; i <= count; ++i) free_.push_back(load<std::uint64_t>(&list[8 * i]));
+  }
+
+  /// A writer puts new pages where free ones are: none of these may be in use.
+  void free_pages() {
+    for (const std::uint64_t page : free_) {
+      if (page < 2 || page >= pages_) {
+        fail(fmt::format("a free page {} of {}", page, pages_));
+      } else if (!use(page, 1)) {
+        return;
+      }
     }
   }
 
   File file_;
   std::uint64_t page_bytes_ = 4096, pages_ = 0, limit_ = ~std::uint64_t{0};
-  std::set<std::uint64_t> visited_;
+  std::uint64_t visited_ = 0;  // branch and leaf pages
+  std::vector<bool> used_;     // pages of the file
+  std::vector<std::uint64_t> free_;
+  bool lists_free_ = false;  // the tree that is walked
   std::vector<std::string> findings_;
 };
 

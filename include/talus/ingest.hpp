@@ -63,6 +63,7 @@ struct IngestProgress {
   std::uint64_t samples = 0, all_samples = 0;  ///< settled so far, and in all
   double seconds = 0;        ///< since the work began
   double seconds_left = 0;   ///< at the present speed; less than 0: not known yet
+  std::uint64_t samples_before = 0;  ///< of `samples`: those that were there when this work began; a rate leaves them out
 };
 
 struct IngestOptions {
@@ -82,23 +83,35 @@ struct IngestOptions {
   std::function<void(const IngestProgress&)> progress = {};
 };
 
+/// What an update changes.
+struct UpdateChange {
+  std::uint64_t samples = 0;  ///< that hold something else afterwards: another height, or one where there was none
+  std::uint64_t filled = 0;   ///< of these, those where there was none: void before, or beyond the database's rectangle
+  double largest_m = 0;       ///< largest difference between a height before and after, in metres
+  double x = 0, y = 0;        ///< where it is, in the CRS; meaningless if all samples were filled
+  GridRect region{{0, 0}, {-1, -1}};  ///< the smallest rectangle around these samples; empty without any
+};
+
 struct IngestReport {
   Description description;
   std::uint64_t pages = 0;            ///< pages written
   std::uint64_t bytes = 0;            ///< size of the database file
   std::uint64_t tiles = 0;            ///< settled now, without those an interrupted ingest had left
+  std::uint64_t samples = 0;          ///< of these tiles
+  std::optional<UpdateChange> change; ///< of an update
   std::uint64_t pages_read_back = 0;  ///< to measure triangles larger than a tile
   double seconds = 0;
   std::vector<std::string> notes;     ///< sentences on what was found in the inputs
 };
 
-/// What an ingest would do.
+/// What an ingest or an update would do.
 struct IngestEstimate {
   Description description;    ///< without what takes a pass over the samples: minimum, maximum, void_samples
   std::uint64_t tiles = 0;    ///< to settle
   std::uint64_t bytes = 0;    ///< of the database, about
   double seconds = 0;         ///< about
   unsigned threads = 1;       ///< that memory allows
+  std::optional<UpdateChange> change;  ///< of an update
   std::vector<std::string> notes;
 };
 
@@ -108,9 +121,12 @@ struct IngestEstimate {
 ///           (the first is taken), nodata and NaN are voids; heights within ±10⁶ metres
 /// database  the file to make; work happens in `database`.part and is renamed at the end
 /// fails     not_found, unsupported (driver, type, rotation, too many samples), invalid_argument (no band, all
-///           void, a value that is no height, database exists, too little memory), full, io. `database` is then as it
-///           was; what was done stays in `database`.part and can be resumed, unless the inputs are at fault
-/// cost      memory as `options` says; time linear, about 50 ns a sample and core; one pass over the samples
+///           void, a value that is no height, database exists, too little memory; with resume: an input or an option
+///           is another one), corrupt (with resume: what was left is damaged), full, io (also: an input changed while
+///           it was read, the database is write-protected). `database` is then as it was; what was done stays in
+///           `unfinished_file(database)` and can be resumed, unless the inputs are at fault
+/// cost      memory as `options` says; time linear, about 50 ns a sample and core; one pass over the samples, and one
+///           over the bytes of all files before it, for their checksums
 /// source    exact errors [P98 §5], saturation, tiers of blocks [P98 §10], pages docs/format/v2.md
 IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& options = {});
@@ -118,18 +134,42 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
                     const IngestOptions& options = {});
 
 /// Puts new or corrected data into a database: it then holds what an ingest of everything would have made, the new inputs
-/// last. Only tiles that the new data touches, and what depends on them, are computed and written; the rest of the file
-/// is copied. Readers keep what they opened; the new file takes the name in one step.
+/// last. Only tiles whose samples differ, and what depends on them, are computed and written; the rest of the file
+/// is copied. Readers keep what they opened; the new file takes the name in one step. Where no sample differs, nothing
+/// is written and the generation stays.
 ///
-/// inputs   as for ingest, brought onto the database's grid; a void does not cover data
-/// options  void_weight, error_kind, error_metric and resume are not looked at; overwrite: replace what an interrupted ingest left
-/// fails    as ingest; not_found, corrupt: the database; unsupported: one that did not keep all samples. It is then as
-///          it was
+/// inputs    as for ingest, brought onto the database's grid; a void does not cover data
+/// database  where it is a symbolic link, the link stays and the file that it leads to is replaced; owner and mode stay
+/// options   void_weight, error_kind and error_metric are not looked at; overwrite: replace what an interrupted ingest
+///           left; resume: what an interrupted update left is worth nothing, so it is computed anew with it or without
+/// fails     as ingest; not_found, corrupt: the database, every byte of which is checked; unsupported: one that did not
+///           keep all samples; io: another program replaced it meanwhile. It is then as it was
+/// cost      reads the database and the inputs once, then as ingest for the tiles that change
 IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 
 /// What ingest would do, from the inputs' headers and a few of their tiles. Writes nothing.
-IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const IngestOptions& options = {});
+/// fails  as ingest; also where the folder of the database cannot be written or has too little room (full)
+IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                               const IngestOptions& options = {});
+/// What update would do. It reads all inputs and what the database holds beneath them, so `change` is exact.
+/// fails  as update; also where the folder of the database cannot be written or has too little room (full)
+IngestEstimate estimate_update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                               const IngestOptions& options = {});
+
+struct CompactReport {
+  std::uint64_t bytes_before = 0, bytes = 0;  ///< of the file
+  double seconds = 0;
+};
+
+/// Writes a database anew without the room that updates have left unused, and puts it in the old one's place in one
+/// step. Answers, generation and identity stay; so does the file if nothing would be gained.
+/// fails  not_found, corrupt, full, io: write-protected, or replaced by another program meanwhile. It is then as it was
+/// cost   reads the file three times and writes what is used
+CompactReport compact(const std::filesystem::path& database);
+
+/// The file in which an ingest or an update of a database works, and which an interrupted ingest leaves.
+[[nodiscard]] std::filesystem::path unfinished_file(const std::filesystem::path& database);
 
 /// Inputs opened for comparison: the same samples `ingest` would take.
 ///

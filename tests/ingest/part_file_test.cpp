@@ -6,10 +6,12 @@
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "engine/manifest.hpp"
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/raster_file.hpp"
@@ -108,6 +110,8 @@ TEST(PartFile, OneIngestAtATime) {
 
 void write_interrupted(const fs::path& file) {
   PageWriter writer(file);
+  const std::string plan = "talus format 2\n";
+  writer.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)));
   writer.put({kRecordTable, 3}, {});
   writer.commit(true);
 }
@@ -141,6 +145,58 @@ TEST(PartFile, CopiesTheDatabase) {
   PartFile part(folder / "a.talus", true, PartFile::Left::replace);
   part.copy_database();
   EXPECT_EQ(text_of(part.path()), text_of(folder / "a.talus"));
+}
+
+TEST(PartFile, TheNextWriterHasAFileOfItsOwn) {
+  const TempFolder folder;
+  write_database(folder / "a.talus");
+  std::optional<PartFile> first(std::in_place, folder / "a.talus", true, PartFile::Left::refuse);
+  first->copy_database();
+  first->publish();
+  const std::string published = text_of(folder / "a.talus");
+  {
+    const PartFile second(folder / "a.talus", true, PartFile::Left::replace);  // the published file is still locked
+    EXPECT_TRUE(fs::exists(second.path()));
+    first.reset();
+    EXPECT_EQ(refused(folder / "a.talus", true), Cause::invalid_argument) << "the second is at work";
+  }
+  EXPECT_EQ(text_of(folder / "a.talus"), published) << "nobody has emptied it";
+}
+
+TEST(PartFile, DoesNotReplaceADatabaseThatAnotherProgramHasPutThere) {
+  const TempFolder folder;
+  write_database(folder / "a.talus");
+  write_database(folder / "b.talus");
+  PartFile part(folder / "a.talus", true, PartFile::Left::replace);
+  part.copy_database();
+  fs::rename(folder / "b.talus", folder / "a.talus");
+  EXPECT_THROW(part.publish(), Failure);
+  PartFile fresh(folder / "c.talus", false, PartFile::Left::refuse);
+  write_text(folder / "c.talus", "somebody's");
+  EXPECT_THROW(fresh.publish(), Failure);
+  EXPECT_EQ(text_of(folder / "c.talus"), "somebody's");
+}
+
+TEST(PartFile, AnUpdateLeavesNothingToGoOnWith) {
+  const TempFolder folder;
+  write_database(folder / "a.talus");
+  const auto leave = [&] {
+    PageWriter writer(folder / "a.talus.part");
+    const std::string plan = "update of a.talus with b.tif\n";
+    writer.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)));
+    writer.put({kRecordTable, 3}, {});
+    writer.commit(true);
+  };
+  leave();
+  EXPECT_THROW(PartFile(folder / "a.talus", true, PartFile::Left::resume), Failure);
+  EXPECT_TRUE(fs::exists(folder / "a.talus.part"));
+  {
+    const PartFile part(folder / "a.talus", true, PartFile::Left::refuse);
+    EXPECT_EQ(fs::file_size(part.path()), 0u) << "the database holds all that it held";
+  }
+  leave();
+  fs::remove(folder / "a.talus");
+  EXPECT_EQ(refused(folder / "a.talus", false), Cause::invalid_argument) << "the copy may be the last one";
 }
 
 TEST(PartFile, SomebodysOtherFileOfThatNameIsLeftAlone) {

@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <fstream>
+#include <span>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "engine/manifest.hpp"
 #include "engine/tile.hpp"
 #include "ingest/budget.hpp"
 #include "ingest/panels.hpp"
@@ -126,7 +128,7 @@ TEST(Stream, MayBeEndedAtEveryStageAndGoneOnWith) {
   static_cast<void>(ingest(folder / "a.tif", folder / "whole.talus"));
   const auto whole = pages_of(folder / "whole.talus");
   struct Ended {};
-  for (const std::string stage : {"levels above tiles", "checksums of the inputs", "sealing", "done"}) {
+  for (const std::string stage : {"levels above tiles", "looking at the inputs again", "sealing", "done"}) {
     SCOPED_TRACE(stage);
     IngestOptions options;
     options.progress = [&](const IngestProgress& now) {
@@ -267,6 +269,8 @@ TEST(Update, DoesNotThrowAwayAnInterruptedIngest) {
   static_cast<void>(ingest(folder / "a.tif", folder / "a.talus"));
   {
     PageWriter interrupted(folder / "a.talus.part");
+    const std::string plan = "talus format 2\n";
+    interrupted.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)));
     interrupted.put({kRecordTable, 3}, {});
     interrupted.commit(true);
   }
