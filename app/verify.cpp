@@ -27,7 +27,6 @@ struct Checked {
   VerifyReport report;
   Description description;
   std::vector<std::string> sources;  ///< names of what the database was made from
-  bool same_warper = false;          ///< the truth was resampled by what ingest resampled with
   [[nodiscard]] bool keeps_bound() const { return description.error_kind != ErrorKind::midpoint; }
 };
 
@@ -131,7 +130,6 @@ Json to_json(const Checked& checked, std::optional<Metres> tolerance) {
             {"damaged", damaged},
             {"rest_usable", report.is_rest_usable}};
   if (report.is_damaged()) json["advice"] = advice(checked);
-  if (checked.same_warper) json["resampled_by_the_same_warper"] = true;
   if (report.true_error) {
     json["true_error"] = report.true_error->value;
     if (report.perpendicular_error) json["perpendicular_error"] = report.perpendicular_error->value;

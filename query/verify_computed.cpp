@@ -27,6 +27,10 @@ GridRect tiles_of(GridRect extent) {
 }
 
 GridRect square_of(TileId id) { return page_square({1, id.x, id.y}); }
+/// What a finding about a tile is about: its square, or what it is computed from where that lies beyond all samples.
+GridRect place_of(TileId id, GridRect extent) {
+  return overlap(square_of(id), extent) ? square_of(id) : tile_window(id, extent);
+}
 
 /// What all computing has in common.
 struct Rules {
@@ -121,7 +125,6 @@ class TileChecks {
     const std::optional<TileSummary> record = record_of(id);
     if (record) add(*record);
     const bool is_read = read(id);
-    if (!is_read) totals_.is_whole = false;
     if (!is_read || !record) return;
     if (rules_.dropped) return check_kept(id, *record);
     const bool is_as_stored = check_pages_of(id);
@@ -129,17 +132,16 @@ class TileChecks {
     if (!is_as_stored || said == encode(summary_of(id))) return;
     // An update may have made numbers wider than those the tile was computed in: its record keeps how it was.
     for (std::size_t kind = 0; kind < 3; ++kind) {
-      if (kind == input_.index() || !compute(id, kind)) continue;
+      if (!compute(id, kind)) continue;
       if (said == encode(summary_of(id))) return;
     }
-    findings_.in(square_of(id), describe(id, *record));
+    findings_.in(place_of(id, rules_.extent), describe(id, *record));
   }
 
   std::optional<TileSummary> record_of(TileId id) {
     const PageKey key{kRecordTable, curve_position({1, id.x, id.y})};
     const auto refuse = [&](const std::string& sentence) {
-      findings_.in(square_of(id), sentence);
-      totals_.is_whole = false;
+      findings_.in(place_of(id, rules_.extent), sentence);
       return std::nullopt;
     };
     try {
@@ -247,7 +249,7 @@ class TileChecks {
     if (is_empty(window_)) return true;
     for (std::size_t kind = usual_kind(); !compute(id, kind);) {
       if (++kind < 3) continue;
-      findings_.in(square_of(id), "heights that are no numbers");
+      findings_.in(place_of(id, rules_.extent), "heights that are no numbers");
       return false;
     }
     const PageId parent{1, id.x, id.y};
@@ -366,7 +368,7 @@ class TileChecks {
   /// Of a record, where not all samples were kept: what pages still say.
   void check_kept(TileId id, const TileSummary& said) {
     const auto refuse = [&](const std::string& what) {
-      findings_.in(square_of(id), fmt::format("record of tile {}/{}: {}", id.x, id.y, what));
+      findings_.in(place_of(id, rules_.extent), fmt::format("record of tile {}/{}: {}", id.x, id.y, what));
     };
     const auto page = of_band_1_.find(curve_position({1, id.x, id.y}));
     const bool is_stored = page != of_band_1_.end();

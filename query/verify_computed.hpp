@@ -15,7 +15,6 @@ struct TileTotals {
   std::uint64_t valid_samples = 0;
   double lowest = 0, highest = 0;  ///< in the vertical unit; meaningless without valid samples
   ErrorHistogram errors{};
-  bool is_whole = true;  ///< no tile was left out for damage
 };
 
 /// Each tile is computed from its samples and those around it, as ingest did, and held against its pages and its record. Where

@@ -44,10 +44,12 @@ void on_bus_error(int signal, siginfo_t* info, void* context) {
   const bool is_ours = info->si_code == BUS_ADRERR && put_zeros(reinterpret_cast<std::uintptr_t>(info->si_addr));
   errno = error;
   if (is_ours) return;
-  if ((handler_before.sa_flags & SA_SIGINFO) != 0) return handler_before.sa_sigaction(signal, info, context);
   const bool is_sent = info->si_code <= 0;  // by kill or raise: no instruction will fail again
-  if (handler_before.sa_handler == SIG_IGN && is_sent) return;
-  if (handler_before.sa_handler != SIG_DFL && handler_before.sa_handler != SIG_IGN) return handler_before.sa_handler(signal);
+  const auto before = handler_before.sa_handler;
+  if (before != SIG_DFL && before != SIG_IGN) {  // first: flags say nothing of these two
+    return (handler_before.sa_flags & SA_SIGINFO) != 0 ? handler_before.sa_sigaction(signal, info, context) : before(signal);
+  }
+  if (before == SIG_IGN && is_sent) return;
   struct sigaction end_the_program {};
   end_the_program.sa_handler = SIG_DFL;
   ::sigaction(SIGBUS, &end_the_program, nullptr);

@@ -27,12 +27,13 @@ CodeDistance Forgery::distance() const {
 
 Page Forgery::page(PageId id) const {
   const Manifest m = manifest();
-  PageDecoder decoder;
-  Page page = decoder.decode(id, m.description.extent, m.bands, distance(), stored.at(key(id)).content);
+  const CodeDistance distance(m.description.step, m.description.metres_per_unit);
+  static PageDecoder decoder;
+  Page page = decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content);
   for (std::int32_t row = 0; row < page.grid.rows; ++row) {
     for (std::int32_t col = 0; col < page.grid.cols; ++col) {
       const std::size_t i = page.index(col, row);
-      if (page.is_own(page.grid.at(col, row))) page.errors[i] = page.error(i, distance());
+      if (page.is_own(page.grid.at(col, row))) page.errors[i] = page.error(i, distance);
     }
   }
   page.eighths.clear();
@@ -40,7 +41,12 @@ Page Forgery::page(PageId id) const {
   return page;
 }
 
-void Forgery::put(const Page& page) { stored[key(page.id)].content = encode(page, distance()); }
+void Forgery::put(const Page& page) { stored[key(page.id)].content = encoded(page, distance()); }
+
+std::vector<std::byte> Forgery::encoded(const Page& page, const CodeDistance& distance) {
+  static PageEncoder encoder;  // its tables take long to make
+  return encoder.encode(page, distance);
+}
 
 TileSummary Forgery::record(int x, int y) const {
   return decode_tile_summary(stored.at({kRecordTable, curve_position({1, x, y})}).content);

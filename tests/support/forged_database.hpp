@@ -45,6 +45,7 @@ class Forgery {
 
  private:
   [[nodiscard]] CodeDistance distance() const;
+  static std::vector<std::byte> encoded(const Page& page, const CodeDistance& distance);
 };
 
 }  // namespace talus::support
