@@ -26,11 +26,13 @@ constexpr std::size_t kMostOpen = 16;
 struct Placed {
   std::filesystem::path file;
   int cols = 0, rows = 0;
-  GridPoint first{};                ///< where the cell (0, 0) of the file stands
-  std::int32_t east = 1, south = 1;  ///< steps of columns and rows on the database's grid: −1 where the file runs the other way
+  GridPoint first{};  ///< where the cell (0, 0) of the file stands
+  std::int32_t east = 1,
+               south = 1;  ///< steps of columns and rows on the database's grid: −1 where the file runs the other way
   [[nodiscard]] GridRect place() const {
     const GridPoint last{first.col + east * (cols - 1), first.row + south * (rows - 1)};
-    return {{std::min(first.col, last.col), std::min(first.row, last.row)}, {std::max(first.col, last.col), std::max(first.row, last.row)}};
+    return {{std::min(first.col, last.col), std::min(first.row, last.row)},
+            {std::max(first.col, last.col), std::max(first.row, last.row)}};
   }
 };
 
@@ -68,7 +70,8 @@ struct PlainReader::Opened {
       return open.front().second.get();
     }
     AdmittedRaster raster = admit_raster(inputs[input].file, rules.allow_drivers);
-    if (!raster.dataset) throw Failure(Cause::io, fmt::format("cannot open {}", inputs[input].file.string()), inputs[input].file);
+    if (!raster.dataset)
+      throw Failure(Cause::io, fmt::format("cannot open {}", inputs[input].file.string()), inputs[input].file);
     open.emplace_front(input, std::move(raster.dataset));
     if (open.size() > kMostOpen) open.pop_back();
     return open.front().second.get();
@@ -89,8 +92,8 @@ struct PlainReader::Opened {
 namespace {
 
 template <class T>
-void read_row(GDALRasterBandH band, int first, int row, int cols, GDALDataType type, T* to, const std::filesystem::path& file,
-              const GdalScope& gdal) {
+void read_row(GDALRasterBandH band, int first, int row, int cols, GDALDataType type, T* to,
+              const std::filesystem::path& file, const GdalScope& gdal) {
   if (GDALRasterIO(band, GF_Read, first, row, cols, 1, to, cols, 1, type, 0, 0) == CE_None) return;
   throw Failure(Cause::io, fmt::format("cannot read row {} of {}{}", row, file.string(), gdal.reason()), file);
 }
@@ -110,10 +113,12 @@ void PlainReader::Opened::lay(std::size_t input, SampleWindow& window) const {
   const GDALRasterBandH mask = GDALGetMaskBand(heights);
   std::vector<GDALRasterBandH> alphas;
   for (int i = 1; i <= GDALGetRasterCount(set); ++i) {
-    if (GDALGetRasterColorInterpretation(GDALGetRasterBand(set, i)) == GCI_AlphaBand) alphas.push_back(GDALGetRasterBand(set, i));
+    if (GDALGetRasterColorInterpretation(GDALGetRasterBand(set, i)) == GCI_AlphaBand)
+      alphas.push_back(GDALGetRasterBand(set, i));
   }
   int has_scale = 0, has_offset = 0;
-  const double stated_scale = GDALGetRasterScale(heights, &has_scale), stated_offset = GDALGetRasterOffset(heights, &has_offset);
+  const double stated_scale = GDALGetRasterScale(heights, &has_scale),
+               stated_offset = GDALGetRasterOffset(heights, &has_offset);
   const double scale = has_scale != 0 ? stated_scale : 1, offset = has_offset != 0 ? stated_offset : 0;
 
   const int first = in.east > 0 ? common.first.col - in.first.col : in.first.col - common.last.col;
@@ -144,8 +149,8 @@ void PlainReader::Opened::lay(std::size_t input, SampleWindow& window) const {
   }
 }
 
-PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const PlainRules& rules, const Description& database,
-                         const std::string& database_name)
+PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const PlainRules& rules,
+                         const Description& database, const std::string& database_name)
     : opened_(std::make_unique<Opened>()) {
   opened_->rules = rules;
   const std::vector<std::filesystem::path> files = list_inputs(named, rules.allow_drivers).files;
@@ -167,16 +172,22 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
     placed.rows = GDALGetRasterYSize(set);
     std::array<double, 6> t{};
     if (GDALGetGeoTransform(set, t.data()) != CE_None) t = {0, 1, 0, 0, 0, -1};
-    if (t[2] != 0 || t[4] != 0) refuse(fmt::format("is rotated against the grid of {}, so it was resampled; verify compares samples "
-                                                   "with rasters on that grid only", database_name));
+    if (t[2] != 0 || t[4] != 0)
+      refuse(
+          fmt::format("is rotated against the grid of {}, so it was resampled; verify compares samples "
+                      "with rasters on that grid only",
+                      database_name));
     placed.east = t[1] < 0 ? -1 : 1;
     placed.south = t[5] > 0 ? -1 : 1;
     const double col = (t[0] + t[1] / 2 - m.x0) / m.dx, row = (t[3] + t[5] / 2 - m.y0) / m.dy;
-    const double drift = std::max(std::abs(std::abs(t[1] / m.dx) - 1) * placed.cols, std::abs(std::abs(t[5] / m.dy) - 1) * placed.rows);
+    const double drift =
+        std::max(std::abs(std::abs(t[1] / m.dx) - 1) * placed.cols, std::abs(std::abs(t[5] / m.dy) - 1) * placed.rows);
     const double off = std::max(std::abs(col - std::nearbyint(col)), std::abs(row - std::nearbyint(row)));
     if (!(off + drift <= kOnTheGrid)) {
-      refuse(fmt::format("lies elsewhere than {}, or has other cells, so that it was resampled; verify compares samples with rasters "
-                         "on the database's grid only", database_name));
+      refuse(fmt::format(
+          "lies elsewhere than {}, or has other cells, so that it was resampled; verify compares samples with rasters "
+          "on the database's grid only",
+          database_name));
     }
     if (!(std::abs(col) < 1e9 && std::abs(row) < 1e9)) refuse(fmt::format("lies elsewhere than {}", database_name));
     placed.first = {static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
@@ -188,8 +199,10 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
   const auto columns = static_cast<std::int32_t>(turn);
   for (Placed& placed : opened_->inputs) {
     const auto middle = [&] { return (std::int64_t{placed.place().first.col} + placed.place().last.col) / 2; };
-    if (placed.place().last.col < database.extent.first.col && middle() + columns <= database.extent.last.col) placed.first.col += columns;
-    if (placed.place().first.col > database.extent.last.col && middle() - columns >= database.extent.first.col) placed.first.col -= columns;
+    if (placed.place().last.col < database.extent.first.col && middle() + columns <= database.extent.last.col)
+      placed.first.col += columns;
+    if (placed.place().first.col > database.extent.last.col && middle() - columns >= database.extent.first.col)
+      placed.first.col -= columns;
   }
 }
 

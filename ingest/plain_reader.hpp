@@ -1,7 +1,7 @@
 #pragma once
-// The samples of rasters, asked of GDAL cell by cell in doubles, to hold a database against. Ingest's decoding of bands, masks,
-// alpha, nodata, scale and position (raster_facts, raster_source, placement, source) is not used here: what it takes for right
-// would be right by itself.
+// The samples of rasters, asked of GDAL cell by cell in doubles, to hold a database against. Ingest's decoding of
+// bands, masks, alpha, nodata, scale and position (raster_facts, raster_source, placement, source) is not used here:
+// what it takes for right would be right by itself.
 
 #include <filesystem>
 #include <memory>
@@ -20,11 +20,13 @@ struct PlainRules {
   std::vector<double> nodata;              ///< raw numbers that mean void, beyond those that files declare
 };
 
-/// Inputs on a database's grid. A cell is void where its band's mask says so, where any alpha band is 0, or where it is NaN or
-/// one of the rules' numbers. Its height is number · scale + offset. A later input covers an earlier one; a void covers nothing.
+/// Inputs on a database's grid. A cell is void where its band's mask says so, where any alpha band is 0, or where it is
+/// NaN or one of the rules' numbers. Its height is number · scale + offset. A later input covers an earlier one; a void
+/// covers nothing.
 class PlainReader {
  public:
-  /// fails  as list_inputs and admit_raster; invalid_argument: an input that is not on the database's grid, for instance
+  /// fails  as list_inputs and admit_raster; invalid_argument: an input that is not on the database's grid, for
+  /// instance
   ///        because it was resampled, or that is in another CRS; io
   PlainReader(const std::vector<std::filesystem::path>& inputs, const PlainRules& rules, const Description& database,
               const std::string& database_name);

@@ -29,10 +29,12 @@ CellsOfRow cells_of_rows(const Description& d) {
 /// From 0 to 1 over all parts, by their steps.
 class Telling {
  public:
-  Telling(const VerifyOptions& options, std::uint64_t steps) : options_(options), steps_(std::max<std::uint64_t>(steps, 1)) {}
+  Telling(const VerifyOptions& options, std::uint64_t steps)
+      : options_(options), steps_(std::max<std::uint64_t>(steps, 1)) {}
   void step(const char* stage, std::uint64_t steps = 1) {
     done_ += steps;
-    if (options_.progress) options_.progress(std::min(0.999, static_cast<double>(done_) / static_cast<double>(steps_)), stage);
+    if (options_.progress)
+      options_.progress(std::min(0.999, static_cast<double>(done_) / static_cast<double>(steps_)), stage);
   }
 
  private:
@@ -87,8 +89,8 @@ class Verification {
     if (d.void_samples != voids)
       findings_.everywhere(fmt::format("header: {} samples are void, it says {}", voids, d.void_samples));
     if (totals.valid_samples > 0 && (d.minimum != totals.lowest || d.maximum != totals.highest)) {
-      findings_.everywhere(fmt::format("header: heights {} to {}, it says {} to {}", totals.lowest, totals.highest, d.minimum,
-                                       d.maximum));
+      findings_.everywhere(fmt::format("header: heights {} to {}, it says {} to {}", totals.lowest, totals.highest,
+                                       d.minimum, d.maximum));
     }
     try {
       check_provenance(totals);
@@ -123,13 +125,14 @@ class Verification {
     vertices_above_ = totals.errors;
   }
 
-  /// At 0 and at 1, 2, 5 … m: the whole raster where its answer is small, else in squares. A tolerance that selects as many
-  /// vertices of fine levels as the one before selects the same ones.
+  /// At 0 and at 1, 2, 5 … m: the whole raster where its answer is small, else in squares. A tolerance that selects as
+  /// many vertices of fine levels as the one before selects the same ones.
   void check_answers() {
     for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
       const double tolerance = error_rung(rung);
       telling_.step("answers", 1);
-      if (rung > 0 && (tolerance < description_.finest_tolerance || (vertices_above_[rung] > 0 && vertices_above_[rung] == vertices_above_[rung - 1])))
+      if (rung > 0 && (tolerance < description_.finest_tolerance ||
+                       (vertices_above_[rung] > 0 && vertices_above_[rung] == vertices_above_[rung - 1])))
         continue;
       const bool is_small = extent_.samples() <= kSquare * kSquare ||
                             (extent_.samples() <= kMostMask && vertices_above_[rung] <= kMostVertices);
@@ -209,17 +212,18 @@ class Verification {
       ++report.samples;
       const bool data = expected.valid[i] != 0;
       const bool dropped = !samples.dropped.empty() && samples.dropped[i] != 0;
-      if (data == (stored.valid[i] != 0) && (!data || dropped || is_stored_as(stored.values[i], expected.values[i]))) continue;
+      if (data == (stored.valid[i] != 0) && (!data || dropped || is_stored_as(stored.values[i], expected.values[i])))
+        continue;
       const auto cols = static_cast<std::size_t>(stored.region.cols());
       const auto text = [](bool valid, double v) { return valid ? fmt::format("{}", v) : std::string("void"); };
       findings_.difference(fmt::format("sample at column {}, row {}: {} is stored, the source has {}",
-                       stored.region.first.col + static_cast<std::int64_t>(i % cols),
-                       stored.region.first.row + static_cast<std::int64_t>(i / cols),
-                       text(stored.valid[i] != 0, stored.values[i]), text(data, expected.values[i])));
+                                       stored.region.first.col + static_cast<std::int64_t>(i % cols),
+                                       stored.region.first.row + static_cast<std::int64_t>(i / cols),
+                                       text(stored.valid[i] != 0, stored.values[i]), text(data, expected.values[i])));
     }
   }
 
-  static constexpr std::int64_t kSquare = 4096, kMostMask = std::int64_t{1} << 30;  ///< samples a side, and in all
+  static constexpr std::int64_t kSquare = 2048, kMostMask = std::int64_t{1} << 30;  ///< samples a side, and in all
   static constexpr std::uint64_t kMostVertices = 4'000'000;
 
   const StoredPages& pages_;

@@ -39,7 +39,8 @@ struct Rules {
         extent(m.description.extent),
         distance(m.description.step, m.description.metres_per_unit),
         ground(Ground(m.description.crs_wkt).scale_of(m.description.mapping, extent)),
-        dropped(m.description.kept_above() > 0 ? std::optional(largest_code_within(m.description.kept_above())) : std::nullopt) {}
+        dropped(m.description.kept_above() > 0 ? std::optional(largest_code_within(m.description.kept_above()))
+                                               : std::nullopt) {}
 
   [[nodiscard]] GroundSide side() const {
     return [this](const HalfDiamond& t) { return ground.longest_side(t).value; };
@@ -59,29 +60,36 @@ struct Rules {
 /// Holds a page against what was computed: error(p), covers(p), height(p), is_data(p). Null: a page that is not stored.
 /// Says the first difference, if there is one.
 template <class Computed>
-std::string difference(const Rules& rules, const PageGrid& grid, PageId id, const Page* page, const Computed& computed) {
+std::string difference(const Rules& rules, const PageGrid& grid, PageId id, const Page* page,
+                       const Computed& computed) {
   const GridRect& extent = rules.extent;
   for (std::int32_t row = 0; row < grid.rows; ++row) {
     for (std::int32_t col = 0; col < grid.cols; ++col) {
       const GridPoint p = grid.at(col, row);
       if (band_of(p, rules.manifest.bands) != id.band) continue;
-      const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
+      const std::size_t i =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
       const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
       ErrorCode error = computed.error(p);
       const ErrorCode said = page == nullptr ? ErrorCode{0} : page->error(i, rules.distance);
       if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
-      if (error != said) return fmt::format("error {} m {}, the samples say {} m", error_of(said), at(), error_of(error));
+      if (error != said)
+        return fmt::format("error {} m {}, the samples say {} m", error_of(said), at(), error_of(error));
       const bool is_data = page != nullptr && (page->valid.empty() || page->valid[i] != 0);
       if (is_data != computed.is_data(p))
-        return fmt::format("{} {}, where it should be {}", is_data ? "a sample" : "no data", at(), is_data ? "no data" : "a sample");
-      const std::uint8_t covers = page == nullptr ? std::uint8_t{0} : page->covers.empty() ? std::uint8_t{15} : page->covers[i];
+        return fmt::format("{} {}, where it should be {}", is_data ? "a sample" : "no data", at(),
+                           is_data ? "no data" : "a sample");
+      const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
+                                  : page->covers.empty() ? std::uint8_t{15}
+                                                         : page->covers[i];
       if (spacing(p) != kRootSpacing) {
         const std::uint8_t wanted = computed.covers(p);
         const auto triangles = apex_triangles(p);
         for (std::size_t t = 0; t < triangles.size(); ++t) {
           if (!extent.contains(triangles[t].left) || !extent.contains(triangles[t].right)) continue;
           if ((covers >> t & 1) != (wanted >> t & 1))
-            return fmt::format("triangle {} {} is said to hold {}, which is not so", t, at(), (covers >> t & 1) != 0 ? "data" : "no data");
+            return fmt::format("triangle {} {} is said to hold {}, which is not so", t, at(),
+                               (covers >> t & 1) != 0 ? "data" : "no data");
         }
       }
       if (page == nullptr || covers == 0 || page->is_dropped(col, row)) continue;
@@ -99,8 +107,14 @@ std::string difference(const Rules& rules, const PageGrid& grid, PageId id, cons
 
 class TileChecks {
  public:
-  TileChecks(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1, Findings& findings, VerifyReport& report)
-      : pages_(pages), rules_(pages.manifest()), decoded_(decoded), of_band_1_(of_band_1), findings_(findings), report_(report) {
+  TileChecks(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1, Findings& findings,
+             VerifyReport& report)
+      : pages_(pages),
+        rules_(pages.manifest()),
+        decoded_(decoded),
+        of_band_1_(of_band_1),
+        findings_(findings),
+        report_(report) {
     totals_.lowest = std::numeric_limits<double>::infinity();
     totals_.highest = -totals_.lowest;
   }
@@ -150,8 +164,8 @@ class TileChecks {
       ++report_.records;
       TileSummary record = decode_tile_summary(stored->content);
       if (stored->generation != record.entry.generation)
-        return refuse(fmt::format("record of tile {}/{}: written by update {}, it says {}", id.x, id.y, stored->generation,
-                                  record.entry.generation));
+        return refuse(fmt::format("record of tile {}/{}: written by update {}, it says {}", id.x, id.y,
+                                  stored->generation, record.entry.generation));
       return record;
     } catch (const Failure& f) {
       if (f.cause() != Cause::corrupt) throw;
@@ -194,7 +208,8 @@ class TileChecks {
     });
   }
   [[nodiscard]] std::size_t index(GridPoint p) const {
-    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() + (std::int64_t{p.col} - window_.first.col));
+    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() +
+                                    (std::int64_t{p.col} - window_.first.col));
   }
 
   /// Computes the tile in numbers of a kind; false if they do not hold its samples.
@@ -288,8 +303,10 @@ class TileChecks {
     std::vector<std::uint64_t> by_code(kAlwaysSelected + 1u);
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
     const CodeSpan heights = view(tile_.heights);
-    for (std::int32_t row = std::max(square.first.row, window_.first.row); row <= std::min(square.last.row, window_.last.row); ++row) {
-      for (std::int32_t col = std::max(square.first.col, window_.first.col); col <= std::min(square.last.col, window_.last.col); ++col) {
+    for (std::int32_t row = std::max(square.first.row, window_.first.row);
+         row <= std::min(square.last.row, window_.last.row); ++row) {
+      for (std::int32_t col = std::max(square.first.col, window_.first.col);
+           col <= std::min(square.last.col, window_.last.col); ++col) {
         const GridPoint p{col, row};
         const std::size_t i = index(p);
         if (valid_[i] != 0) {
@@ -300,7 +317,8 @@ class TileChecks {
         if (spacing(p) < kBlockSide) {
           ++by_code[tile_.errors[p]];
         } else {
-          const auto post = static_cast<std::size_t>((row - square.first.row) / kBlockSide * kTileBlocks + (col - square.first.col) / kBlockSide);
+          const auto post = static_cast<std::size_t>((row - square.first.row) / kBlockSide * kTileBlocks +
+                                                     (col - square.first.col) / kBlockSide);
           made.posts[post] = code_at(heights, i);
           made.post_valid[post] = valid_[i];
         }
@@ -312,7 +330,8 @@ class TileChecks {
       made.highest = std::max(step.value(lowest), step.value(highest));
     }
     for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
-      for (std::size_t code = largest_code_within(error_rung(rung)) + 1u; code < by_code.size(); ++code) made.errors[rung] += by_code[code];
+      for (std::size_t code = largest_code_within(error_rung(rung)) + 1u; code < by_code.size(); ++code)
+        made.errors[rung] += by_code[code];
     }
     return made;
   }
@@ -331,16 +350,20 @@ class TileChecks {
       std::uint8_t holds = 0;
       for (const int side : {0, 1}) {
         const HalfDiamond t = half_diamond(p, side);
-        if (inside(t, closed) && inside(t, rules_.extent)) holds = static_cast<std::uint8_t>(holds | kVoid << (2 * side));
+        if (inside(t, closed) && inside(t, rules_.extent))
+          holds = static_cast<std::uint8_t>(holds | kVoid << (2 * side));
       }
       return holds;
     };
     for (std::int32_t i = 0; i < kTileBlocks * kTileBlocks; ++i) {
-      const GridPoint corner{closed.first.col + i % kTileBlocks * kBlockSide, closed.first.row + i / kTileBlocks * kBlockSide};
-      record.blocks[static_cast<std::size_t>(i)].holds = halves_of({corner.col + kBlockSide / 2, corner.row + kBlockSide / 2});
+      const GridPoint corner{closed.first.col + i % kTileBlocks * kBlockSide,
+                             closed.first.row + i / kTileBlocks * kBlockSide};
+      record.blocks[static_cast<std::size_t>(i)].holds =
+          halves_of({corner.col + kBlockSide / 2, corner.row + kBlockSide / 2});
     }
     for (std::int32_t i = 0; i < TileRecord::kAcross * TileRecord::kAcross; ++i) {
-      const GridPoint p{closed.first.col + i % TileRecord::kAcross * kBlockSide, closed.first.row + i / TileRecord::kAcross * kBlockSide};
+      const GridPoint p{closed.first.col + i % TileRecord::kAcross * kBlockSide,
+                        closed.first.row + i / TileRecord::kAcross * kBlockSide};
       if (!rules_.extent.contains(p)) continue;
       record.holds[static_cast<std::size_t>(i)] =
           static_cast<std::uint8_t>(TileRecord::kNoFill | (spacing(p) < kTileSide ? halves_of(p) : 0));
@@ -351,7 +374,9 @@ class TileChecks {
   [[nodiscard]] std::string describe(TileId id, const TileSummary& said) {
     compute(id, usual_kind());
     const TileSummary made = summary_of(id);
-    const auto sentence = [&](const std::string& what) { return fmt::format("record of tile {}/{}: {}", id.x, id.y, what); };
+    const auto sentence = [&](const std::string& what) {
+      return fmt::format("record of tile {}/{}: {}", id.x, id.y, what);
+    };
     for (std::size_t i = 0; i < TileSummary::kPosts; ++i) {
       if (is_same(said.posts[i], made.posts[i]) && said.post_valid[i] == made.post_valid[i]) continue;
       return sentence(fmt::format("it repeats a height of {} where the page has {}", said.posts[i], made.posts[i]));
@@ -360,7 +385,8 @@ class TileChecks {
     if (said.valid_samples != made.valid_samples)
       return sentence(fmt::format("{} samples are data, it says {}", made.valid_samples, said.valid_samples));
     if (said.lowest != made.lowest || said.highest != made.highest)
-      return sentence(fmt::format("heights {} to {}, it says {} to {}", made.lowest, made.highest, said.lowest, said.highest));
+      return sentence(
+          fmt::format("heights {} to {}, it says {} to {}", made.lowest, made.highest, said.lowest, said.highest));
     if (said.errors != made.errors) return sentence("its counts of errors are not those of the tile's pages");
     return sentence("it is not what follows from the tile's samples");
   }
@@ -376,19 +402,22 @@ class TileChecks {
     if (said.entry.present != is_stored) return refuse("it says other things of the tile's page than that page");
     if (is_stored) {
       const ChildEntry& made = page->second.entry;
-      if (said.entry.largest != made.largest || said.entry.generation != made.generation || said.entry.lowest > made.lowest ||
-          said.entry.highest < made.highest)
+      if (said.entry.largest != made.largest || said.entry.generation != made.generation ||
+          said.entry.lowest > made.lowest || said.entry.highest < made.highest)
         return refuse("it says other things of the tile's page than that page");
     }
     const GridRect square = square_of(id);
     std::uint64_t valid = 0;
     if (!is_empty(window_)) {
-      for (std::int32_t row = std::max(square.first.row, window_.first.row); row <= std::min(square.last.row, window_.last.row); ++row) {
-        for (std::int32_t col = std::max(square.first.col, window_.first.col); col <= std::min(square.last.col, window_.last.col); ++col)
+      for (std::int32_t row = std::max(square.first.row, window_.first.row);
+           row <= std::min(square.last.row, window_.last.row); ++row) {
+        for (std::int32_t col = std::max(square.first.col, window_.first.col);
+             col <= std::min(square.last.col, window_.last.col); ++col)
           valid += valid_[index({col, row})];
       }
     }
-    if (valid != said.valid_samples) return refuse(fmt::format("{} samples are data, it says {}", valid, said.valid_samples));
+    if (valid != said.valid_samples)
+      return refuse(fmt::format("{} samples are data, it says {}", valid, said.valid_samples));
     check_kept_counts(id, said, refuse);
   }
   template <class Refuse>
@@ -439,7 +468,8 @@ struct OfLevels {
   const CoarseLevels& levels;
   [[nodiscard]] ErrorCode error(GridPoint p) const { return levels.error(p); }
   [[nodiscard]] std::uint8_t covers(GridPoint p) const {
-    return height_in_tree(p) >= levels.root_height() || !levels.has_voids() ? std::uint8_t{15} : levels.apex_triangles_with_data(p);
+    return height_in_tree(p) >= levels.root_height() || !levels.has_voids() ? std::uint8_t{15}
+                                                                            : levels.apex_triangles_with_data(p);
   }
   [[nodiscard]] bool is_data(GridPoint p) const { return levels.is_valid(p); }
   [[nodiscard]] double height(GridPoint p) const { return levels.height(p); }
@@ -447,8 +477,8 @@ struct OfLevels {
 
 }  // namespace
 
-TileTotals check_tiles(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1, Findings& findings,
-                       VerifyReport& report, const std::function<void()>& told) {
+TileTotals check_tiles(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1,
+                       Findings& findings, VerifyReport& report, const std::function<void()>& told) {
   return TileChecks(pages, decoded, of_band_1, findings, report).run(told);
 }
 
@@ -475,7 +505,8 @@ void check_coarse(const StoredPages& pages, DecodedPages& decoded, Findings& fin
     for (const PageId id : pages_of_band(band, rules.extent)) {
       const DecodedPages::Found found = decoded.get(id);
       if (found.is_damaged()) continue;
-      const std::string sentence = difference(rules, page_grid(id, rules.extent), id, found.page.get(), OfLevels{levels});
+      const std::string sentence =
+          difference(rules, page_grid(id, rules.extent), id, found.page.get(), OfLevels{levels});
       if (!sentence.empty()) findings.in(id, found.page ? sentence : "not stored: " + sentence);
     }
   }

@@ -17,8 +17,8 @@ struct TileTotals {
   ErrorHistogram errors{};
 };
 
-/// Each tile is computed from its samples and those around it, as ingest did, and held against its pages and its record. Where
-/// not all samples were kept, its record is held against what its pages still say.
+/// Each tile is computed from its samples and those around it, as ingest did, and held against its pages and its
+/// record. Where not all samples were kept, its record is held against what its pages still say.
 ///
 /// told  after each tile
 /// cost  about 60 ns a sample; memory: about 40 MB

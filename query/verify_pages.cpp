@@ -46,9 +46,13 @@ class PageChecks {
     }
     check_tops();
     for (int band = manifest_.bands; band < kRecordTable; ++band) {
-      pages_.transaction().for_each(band, [&](std::uint64_t position) {
-        findings_.in(page_at(band, position), fmt::format("a database of {} bands has no such page", manifest_.bands));
-      }, [](std::uint64_t, const Failure&) {});
+      pages_.transaction().for_each(
+          band,
+          [&](std::uint64_t position) {
+            findings_.in(page_at(band, position),
+                         fmt::format("a database of {} bands has no such page", manifest_.bands));
+          },
+          [](std::uint64_t, const Failure&) {});
     }
     return of_band_1;
   }
@@ -66,7 +70,8 @@ class PageChecks {
       return findings_.in(page_square(id), found.is_damaged() ? found.damage : name_of(id) + ": missing");
     }
     if (found.generation > manifest_.generation) {
-      findings_.in(id, fmt::format("written by update {}, the database has had {}", found.generation, manifest_.generation));
+      findings_.in(
+          id, fmt::format("written by update {}, the database has had {}", found.generation, manifest_.generation));
     }
     check_own(*found.page);
     check_against_above(*found.page);
@@ -76,7 +81,8 @@ class PageChecks {
 
   /// Errors of own vertices; each kind of finding once a page.
   void check_own(const Page& page) {
-    if (page.drops_heights && !drops_) findings_.in(page.id, "heights were left out, the header says that all were kept");
+    if (page.drops_heights && !drops_)
+      findings_.in(page.id, "heights were left out, the header says that all were kept");
     bool is_found = false;
     for (std::int32_t row = 0; row < page.grid.rows && !is_found; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols && !is_found; ++col) {
@@ -103,8 +109,8 @@ class PageChecks {
       const ErrorCode above = there == nullptr ? ErrorCode{0} : error_at(*there, parent);
       if (above >= own) continue;
       findings_.in(page_square(id),
-                   fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex of {} that depends on it", name_of(id),
-                               error_of(above), parent.col, parent.row, error_of(own), name_of(page.id)));
+                   fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex of {} that depends on it",
+                               name_of(id), error_of(above), parent.col, parent.row, error_of(own), name_of(page.id)));
       return false;
     }
     return true;
@@ -178,9 +184,11 @@ class PageChecks {
 
   void compare(PageId below, const ChildEntry& said, const ChildEntry& found) {
     if (said.largest != found.largest) {
-      findings_.in(below, fmt::format("largest error {} m, the page above it says {} m", error_of(found.largest), error_of(said.largest)));
+      findings_.in(below, fmt::format("largest error {} m, the page above it says {} m", error_of(found.largest),
+                                      error_of(said.largest)));
     } else if (said.generation != found.generation) {
-      findings_.in(below, fmt::format("written by update {}, the page above it says {}", found.generation, said.generation));
+      findings_.in(below,
+                   fmt::format("written by update {}, the page above it says {}", found.generation, said.generation));
     } else if (!is_range_of(said, found)) {
       findings_.in(below, fmt::format("heights {} to {}, the page above it says {} to {}", found.lowest, found.highest,
                                       said.lowest, said.highest));

@@ -17,8 +17,9 @@ struct CheckedPage {
 };
 using CheckedPages = std::unordered_map<std::uint64_t, CheckedPage>;  ///< by position
 
-/// All pages, the finest band first. Each is held against its table of pages below it, against the heights and voids that the
-/// page above repeats, and its errors against those of the vertices that they depend on, in whatever page these are.
+/// All pages, the finest band first. Each is held against its table of pages below it, against the heights and voids
+/// that the page above repeats, and its errors against those of the vertices that they depend on, in whatever page
+/// these are.
 ///
 /// told    after each page
 /// returns pages of band 1

@@ -34,7 +34,8 @@ bool put_zeros(std::uintptr_t address) {
     if (address < begin || address >= end) continue;
     const std::uintptr_t page = address / page_bytes * page_bytes;
     w->has_lost_bytes.store(true, std::memory_order_release);
-    return ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != MAP_FAILED;
+    return ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1,
+                  0) != MAP_FAILED;
   }
   return false;
 }
@@ -47,7 +48,8 @@ void on_bus_error(int signal, siginfo_t* info, void* context) {
   const bool is_sent = info->si_code <= 0;  // by kill or raise: no instruction will fail again
   const auto before = handler_before.sa_handler;
   if (before != SIG_DFL && before != SIG_IGN) {  // first: flags say nothing of these two
-    return (handler_before.sa_flags & SA_SIGINFO) != 0 ? handler_before.sa_sigaction(signal, info, context) : before(signal);
+    return (handler_before.sa_flags & SA_SIGINFO) != 0 ? handler_before.sa_sigaction(signal, info, context)
+                                                       : before(signal);
   }
   if (before == SIG_IGN && is_sent) return;
   struct sigaction end_the_program {};

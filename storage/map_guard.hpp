@@ -7,11 +7,13 @@
 
 namespace talus {
 
-/// Watches the map of one file for as long as it lives. Where the system has no bytes for an address in it, it sends SIGBUS to
-/// the thread that reads. The handler puts zeros there and remembers that: the reader goes on, and asks afterwards.
+/// Watches the map of one file for as long as it lives. Where the system has no bytes for an address in it, it sends
+/// SIGBUS to the thread that reads. The handler puts zeros there and remembers that: the reader goes on, and asks
+/// afterwards.
 ///
-/// The first one installs the handler for the process. It hands every other SIGBUS on to the handler that was there before. A
-/// program that installs its own later must hand on what is not its own in the same way. docs/decisions/0008-shrinking-files.md
+/// The first one installs the handler for the process. It hands every other SIGBUS on to the handler that was there
+/// before. A program that installs its own later must hand on what is not its own in the same way.
+/// docs/decisions/0008-shrinking-files.md
 class MapGuard {
  public:
   MapGuard();

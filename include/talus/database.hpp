@@ -320,14 +320,14 @@ struct VerifyOptions {
 /// - what follows from the stored samples is computed again, tile by tile, and compared: errors, triangles with data, fills,
 ///   records; from the records the coarse levels, the manifest's extremes and the provenance's counts. A database with a finest
 ///   tolerance has not kept all samples: there only its coarse levels are computed again
-/// - answers at 0 and at 1, 2, 5 … m up to the largest error are asked and triangulated, as whole or in squares of 4096 samples
+/// - answers at 0 and at 1, 2, 5 … m up to the largest error are asked and triangulated, as a whole or in squares of 2048 samples
 ///
 /// What a query refuses is found here. What is not found: another mapping, CRS or name in the manifest, and samples that were
 /// changed with everything that follows from them; a truth finds these samples.
 ///
 /// fails  not_found, io; what the truth and `progress` throw. Damage is no failure
 /// cost   the time of an ingest without its reading, and of some answers to the whole raster. Memory: about 120 MB, 40 bytes for
-///        each 64² samples, and an answer of 4096² samples; with a tolerance the mesh of the whole answer
+///        each 64² samples, and an answer of 2048² samples (some 250 MB); with a tolerance the mesh of the whole answer
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const VerifyOptions& options = {});
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth);
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth, Metres tolerance);

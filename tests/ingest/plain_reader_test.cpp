@@ -32,7 +32,8 @@ class PlainReading : public ::testing::Test {
   }
   /// Heights 1, 2, 3 … row by row as the file has them.
   GDALDataset* create(const std::string& name, const Written& w) const {
-    GDALDataset* set = GetGDALDriverManager()->GetDriverByName("GTiff")->Create((folder / name).c_str(), kCols, kRows, w.bands, w.type, nullptr);
+    GDALDataset* set = GetGDALDriverManager()->GetDriverByName("GTiff")->Create((folder / name).c_str(), kCols, kRows,
+                                                                                w.bands, w.type, nullptr);
     double t[6] = {w.x, w.dx, 0, w.y, 0, w.dy};
     EXPECT_EQ(set->SetGeoTransform(t), CE_None);
     std::vector<double> heights(kCols * kRows);
@@ -73,7 +74,8 @@ TEST_F(PlainReading, AnAlphaOfZeroIsVoidInEveryTypeAndBand) {
       w.type = type;
       w.bands = bands;
       GDALDataset* set = create("a.tif", w);
-      for (int i = 1; i < bands; ++i) set->GetRasterBand(i)->SetColorInterpretation(i == 1 ? GCI_GrayIndex : GCI_Undefined);
+      for (int i = 1; i < bands; ++i)
+        set->GetRasterBand(i)->SetColorInterpretation(i == 1 ? GCI_GrayIndex : GCI_Undefined);
       set->GetRasterBand(bands)->SetColorInterpretation(GCI_AlphaBand);
       put(set->GetRasterBand(bands), with_zero_at(9, type == GDT_Int16 ? 32767 : 255));
       GDALClose(set);
@@ -106,14 +108,17 @@ TEST_F(PlainReading, WhatGdalMasksIsVoid) {
   floats.type = GDT_Float32;
   set = create("b.tif", floats);
   std::vector<double> heights(kCols * kRows);
-  for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = i == 9 ? std::numeric_limits<float>::lowest() : static_cast<double>(i + 1);
+  for (std::size_t i = 0; i < heights.size(); ++i)
+    heights[i] = i == 9 ? std::numeric_limits<float>::lowest() : static_cast<double>(i + 1);
   put(set->GetRasterBand(1), heights);
   set->GetRasterBand(1)->SetNoDataValue(-3.39999999999999996e+38);
   GDALClose(set);
   const SampleWindow window = read({folder / "b.tif"});
   auto* read_again = GDALDataset::Open((folder / "b.tif").c_str());
   std::vector<std::uint8_t> mask(kCols * kRows);
-  EXPECT_EQ(read_again->GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Read, 0, 0, kCols, kRows, mask.data(), kCols, kRows, GDT_Byte, 0, 0), CE_None);
+  EXPECT_EQ(read_again->GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Read, 0, 0, kCols, kRows, mask.data(), kCols,
+                                                                  kRows, GDT_Byte, 0, 0),
+            CE_None);
   GDALClose(read_again);
   for (std::size_t i = 0; i < mask.size(); ++i) EXPECT_EQ(window.valid[i] != 0, mask[i] != 0) << i;
   heights[9] = std::numeric_limits<double>::quiet_NaN();
@@ -134,7 +139,8 @@ TEST_F(PlainReading, ScaleAndOffsetAreApplied) {
   set->GetRasterBand(1)->SetOffset(1000);
   GDALClose(set);
   const SampleWindow window = read({folder / "a.tif"});
-  for (std::size_t i = 0; i < window.values.size(); ++i) EXPECT_EQ(window.values[i], static_cast<double>(i + 1) * 0.1 + 1000);
+  for (std::size_t i = 0; i < window.values.size(); ++i)
+    EXPECT_EQ(window.values[i], static_cast<double>(i + 1) * 0.1 + 1000);
 }
 
 TEST_F(PlainReading, RowsThatRunNorthAndColumnsThatRunWestAreTurned) {

@@ -48,12 +48,13 @@ class ForgedDatabase : public ::testing::Test {
   static void expect_found(const Forgery& forgery, const std::string& word, std::optional<GridPoint> at = {}) {
     const VerifyReport report = verified(forgery);
     ASSERT_TRUE(report.is_damaged());
-    EXPECT_TRUE(std::any_of(report.findings.begin(), report.findings.end(),
-                            [&](const std::string& f) { return f.find(word) != std::string::npos; }))
-        << report.findings.front();
+    EXPECT_TRUE(std::any_of(report.findings.begin(), report.findings.end(), [&](const std::string& f) {
+      return f.find(word) != std::string::npos;
+    })) << report.findings.front();
     if (!at) return;
     EXPECT_TRUE(report.is_rest_usable) << report.findings.front();
-    EXPECT_TRUE(std::any_of(report.damaged.begin(), report.damaged.end(), [&](const DamagedPart& d) { return d.samples.contains(*at); }));
+    EXPECT_TRUE(std::any_of(report.damaged.begin(), report.damaged.end(),
+                            [&](const DamagedPart& d) { return d.samples.contains(*at); }));
     const GridMapping m{500005, 5600395, 10, -10};
     for (const DamagedPart& d : report.damaged) {
       EXPECT_DOUBLE_EQ(d.rectangle.xmin, m.x(d.samples.first.col));
@@ -63,7 +64,8 @@ class ForgedDatabase : public ::testing::Test {
     }
   }
   static std::size_t index(const Page& page, GridPoint p) {
-    return page.index((p.col >> page.grid.shift) - page.grid.first.col, (p.row >> page.grid.shift) - page.grid.first.row);
+    return page.index((p.col >> page.grid.shift) - page.grid.first.col,
+                      (p.row >> page.grid.shift) - page.grid.first.row);
   }
   /// An own vertex of a page for which something holds.
   static GridPoint own_vertex(const Page& page, const std::function<bool(std::size_t, GridPoint)>& holds) {
@@ -154,7 +156,8 @@ TEST_F(ForgedDatabase, AnErrorThatNothingDependsOnIsFoundLoweredOrRaised) {
   for (const int by : {-1, 1}) {
     Forgery forged(*folder / "a.talus");
     Page page = forged.page({0, 2, 0});
-    const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint v) { return spacing(v) == 1 && !is_centre(v) && page.errors[i] > 3; });
+    const GridPoint p = own_vertex(
+        page, [&](std::size_t i, GridPoint v) { return spacing(v) == 1 && !is_centre(v) && page.errors[i] > 3; });
     page.errors[index(page, p)] = static_cast<ErrorCode>(page.errors[index(page, p)] + by);
     forged.put(page);
     forged.hide();
@@ -165,7 +168,8 @@ TEST_F(ForgedDatabase, AnErrorThatNothingDependsOnIsFoundLoweredOrRaised) {
 TEST_F(ForgedDatabase, ACoarseErrorThatIsTooLowIsFound) {
   Forgery forged(*folder / "a.talus");
   Page page = forged.page({2, 0, 0});
-  const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint v) { return spacing(v) == 64 && page.errors[i] > 3; });
+  const GridPoint p =
+      own_vertex(page, [&](std::size_t i, GridPoint v) { return spacing(v) == 64 && page.errors[i] > 3; });
   --page.errors[index(page, p)];
   forged.put(page);
   forged.hide();
@@ -283,7 +287,8 @@ TEST_F(ForgedDatabase, AFillIsFound) {
     Forgery forged(*folder / "a.talus");
     Page page = forged.page(id);
     ASSERT_FALSE(page.valid.empty());
-    const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint) { return page.valid[i] == 0 && page.covers[i] != 0; });
+    const GridPoint p =
+        own_vertex(page, [&](std::size_t i, GridPoint) { return page.valid[i] == 0 && page.covers[i] != 0; });
     page.heights[index(page, p)] += 1;
     forged.put(page);
     forged.hide();
@@ -366,12 +371,14 @@ TEST_F(ForgedDatabase, WhatAQueryRefusesOrAnswersOtherwiseIsNeverCalledSound) {
     Page page = forged.page(page_at(key.table, key.position));
     if (page.grid.size() == 0) continue;
     const auto i = static_cast<std::size_t>(random.between(0, static_cast<int>(page.grid.size()) - 1));
-    const GridPoint p = page.grid.at(static_cast<std::int32_t>(i) % page.grid.cols, static_cast<std::int32_t>(i) / page.grid.cols);
+    const GridPoint p =
+        page.grid.at(static_cast<std::int32_t>(i) % page.grid.cols, static_cast<std::int32_t>(i) / page.grid.cols);
     const int what = random.between(0, page.children.empty() ? 3 : 7);
     if (what == 0) page.heights[i] += random.between(1, 30);
     if (what == 1 && page.is_own(p)) page.errors[i] = static_cast<ErrorCode>(random.between(0, 3000));
     if (what == 2 && !page.valid.empty()) page.valid[i] ^= 1;
-    if (what == 3 && !page.covers.empty() && page.is_own(p)) page.covers[i] = static_cast<std::uint8_t>(random.between(0, 15));
+    if (what == 3 && !page.covers.empty() && page.is_own(p))
+      page.covers[i] = static_cast<std::uint8_t>(random.between(0, 15));
     if (what >= 4) {
       ChildEntry& child = page.children[static_cast<std::size_t>(random.between(0, 63))];
       if (what == 4) child.largest = static_cast<ErrorCode>(random.between(0, 4000));
@@ -383,9 +390,9 @@ TEST_F(ForgedDatabase, WhatAQueryRefusesOrAnswersOtherwiseIsNeverCalledSound) {
     if (random.chance(0.5)) forged.hide();
     forged.write(*folder / "forged.talus");
     const auto now = seen(*folder / "forged.talus");
-    const bool is_same = now && now->first.points == whole->first.points && now->first.heights == whole->first.heights &&
-                         now->first.triangles == whole->first.triangles && now->second.values == whole->second.values &&
-                         now->second.valid == whole->second.valid;
+    const bool is_same = now && now->first.points == whole->first.points &&
+                         now->first.heights == whole->first.heights && now->first.triangles == whole->first.triangles &&
+                         now->second.values == whole->second.values && now->second.valid == whole->second.valid;
     refused += now ? 0 : 1;
     otherwise += now && !is_same ? 1 : 0;
     const VerifyReport report = verify(Database::open(*folder / "forged.talus").snapshot());

@@ -64,7 +64,8 @@ class ShrinkingFile : public ::testing::Test {
     return end_of([&] {
       const Database database = Database::open(file, {.cache_bytes = 0});
       const Snapshot now = database.snapshot();
-      std::filesystem::resize_file(file, static_cast<std::uintmax_t>(part * static_cast<double>(std::filesystem::file_size(file))));
+      std::filesystem::resize_file(
+          file, static_cast<std::uintmax_t>(part * static_cast<double>(std::filesystem::file_size(file))));
       return asked([&] { question(now); });
     });
   }
@@ -79,7 +80,9 @@ TEST_F(ShrinkingFile, IsAFailureOfEveryQuestion) {
       [](const Snapshot& now) { static_cast<void>(now.samples(now.description().extent)); },
       [](const Snapshot& now) { static_cast<void>(now.height(650, -450)); },
       [](const Snapshot& now) { static_cast<void>(now.storage()); },
-      [](const Snapshot& now) { static_cast<void>(now.tolerance_for(now.description().extent, Budget{5000, {}})); },
+      [](const Snapshot& now) {
+        static_cast<void>(now.tolerance_for(now.description().extent, Budget{5000, {}}));
+      },
       [](const Snapshot& now) {
         if (verify(now).is_damaged()) throw Failure(Cause::corrupt, "a.talus: verify reports it");
       },
@@ -143,7 +146,8 @@ sigjmp_buf back;
 void jump_back(int) { siglongjmp(back, 1); }
 void jump_back_with_info(int, siginfo_t* info, void*) { siglongjmp(back, info->si_code == BUS_ADRERR ? 2 : 3); }
 
-/// In a program that has opened no database yet: the next tests start it, and say how it handles SIGBUS and with which file.
+/// In a program that has opened no database yet: the next tests start it, and say how it handles SIGBUS and with which
+/// file.
 TEST(HandlerBefore, DISABLED_IsAsked) {
   const std::string how = std::getenv("TALUS_TEST_HANDLER");
   const std::filesystem::path file = std::getenv("TALUS_TEST_FILE");
@@ -170,8 +174,8 @@ int end_with_handler(const std::string& how, const std::filesystem::path& file) 
   return end_of([&] {
     ::setenv("TALUS_TEST_HANDLER", how.c_str(), 1);
     ::setenv("TALUS_TEST_FILE", file.c_str(), 1);
-    ::execl("/proc/self/exe", "test", "--gtest_also_run_disabled_tests", "--gtest_filter=HandlerBefore.*", "--gtest_brief=1",
-            static_cast<char*>(nullptr));
+    ::execl("/proc/self/exe", "test", "--gtest_also_run_disabled_tests", "--gtest_filter=HandlerBefore.*",
+            "--gtest_brief=1", static_cast<char*>(nullptr));
     return 1;
   });
 }

@@ -17,8 +17,12 @@ Forgery::Forgery(const std::filesystem::path& database) {
 
 Manifest Forgery::manifest() const { return decode_manifest(stored.at({kHeaderTable, kManifestPosition}).content); }
 void Forgery::put(const Manifest& manifest) { stored[{kHeaderTable, kManifestPosition}].content = encode(manifest); }
-Provenance Forgery::provenance() const { return decode_provenance(stored.at({kHeaderTable, kProvenancePosition}).content); }
-void Forgery::put(const Provenance& provenance) { stored[{kHeaderTable, kProvenancePosition}].content = encode(provenance); }
+Provenance Forgery::provenance() const {
+  return decode_provenance(stored.at({kHeaderTable, kProvenancePosition}).content);
+}
+void Forgery::put(const Provenance& provenance) {
+  stored[{kHeaderTable, kProvenancePosition}].content = encode(provenance);
+}
 
 CodeDistance Forgery::distance() const {
   const Description d = manifest().description;
@@ -83,7 +87,8 @@ void Forgery::hide() {
     }
   }
   m.top_generations.clear();
-  for (const PageId id : pages_of_band(m.bands - 1, m.description.extent)) m.top_generations.push_back(stored.at(key(id)).generation);
+  for (const PageId id : pages_of_band(m.bands - 1, m.description.extent))
+    m.top_generations.push_back(stored.at(key(id)).generation);
   put(m);
 }
 

@@ -36,8 +36,8 @@ class Forgery {
   [[nodiscard]] TileSummary record(int x, int y) const;
   void put(int x, int y, const TileSummary& record);
 
-  /// Makes the tables of pages below, the records' entries and the header's generations say again what is there: a change that
-  /// shows nowhere else is hidden then.
+  /// Makes the tables of pages below, the records' entries and the header's generations say again what is there: a
+  /// change that shows nowhere else is hidden then.
   void hide();
   void write(const std::filesystem::path& database) const;
 
