@@ -60,6 +60,19 @@ AccuracyOptions options_of(const Request& request) {
   return options;
 }
 
+/// Said on standard error, too: whoever reads a table of times may not compare two of its columns.
+Exit say_beyond_bound(const Request& request, const AccuracyReport& report) {
+  Exit code = Exit::done;
+  for (const AccuracyPoint& point : report.points) {
+    if (!is_beyond_bound(report, point)) continue;
+    fmt::print(stderr, "talus: {}: BEYOND ITS BOUND: at {} m a sample lies {} m from the surface, the answer promises {} m; "
+                       "talus verify says what is wrong\n",
+               request.database, point.tolerance.value, rounded(point.errors->largest.value), rounded(point.bound.value));
+    code = Exit::differs;
+  }
+  return code;
+}
+
 Exit run(const Request& request) {
   // What is misspelt is said before a file is opened.
   AccuracyOptions options = options_of(request);
@@ -104,12 +117,12 @@ Exit run(const Request& request) {
     }
     if (!request.outputs.empty()) object["output"] = request.outputs;
     print(object);
-    return Exit::done;
+    return say_beyond_bound(request, report);
   }
   std::string text = accuracy_text(report, names);
   for (const std::string& output : request.outputs) text += fmt::format("written: {}\n", output);
   print(text);
-  return Exit::done;
+  return say_beyond_bound(request, report);
 }
 
 }  // namespace

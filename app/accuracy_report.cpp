@@ -252,6 +252,11 @@ std::string paragraph(const std::string& text, double x, double& y, double size,
 
 }  // namespace
 
+bool is_beyond_bound(const AccuracyReport& report, const AccuracyPoint& point) {
+  if (!point.errors || !report.description.has_vertical_bound()) return false;
+  return point.errors->largest.value > point.bound.value * (1 + 1e-12) + 1e-9;  // the surface is double arithmetic on heights
+}
+
 std::string recommendation(const AccuracyReport& report) {
   const AccuracyAdvice& advice = report.advice;
   const AccuracyPoint *const point = advised(report), *const other = compared(report);
@@ -314,6 +319,7 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
       json["percentile_95_error"] = p.errors->percentile_95.value;
       json["rms_error"] = p.errors->rms.value;
       json["samples"] = p.errors->samples;
+      json["beyond_bound"] = is_beyond_bound(report, p);
     }
     return json;
   };

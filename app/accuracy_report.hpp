@@ -18,6 +18,9 @@ struct AccuracyNames {
   std::optional<double> followed_seconds = {};
 };
 
+/// Whether a sample lies beyond what an answer promises: the errors that the database holds are wrong, or the raster is another.
+[[nodiscard]] bool is_beyond_bound(const AccuracyReport& report, const AccuracyPoint& point);
+
 /// "For 10 ms you can have 3.2 m; for 1 m you pay 41 ms."
 [[nodiscard]] std::string recommendation(const AccuracyReport& report);
 /// The advised answer as arguments of `talus`, of several windows the typical one's; none where nothing is advised.

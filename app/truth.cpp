@@ -7,56 +7,29 @@
 
 #include <fmt/format.h>
 
-#include "talus/ingest.hpp"
+#include "ingest/plain_reader.hpp"
 
 namespace talus::app {
-namespace {
-
-constexpr double kSamePlace = 1e-3;  // of a cell: formats round their origins
-
-/// Where two grids put their first and last samples.
-bool is_same_place(const Description& ours, const Description& theirs) {
-  const auto near = [](double a, double b, double cell) { return std::abs(a - b) <= kSamePlace * std::abs(cell); };
-  const GridMapping &m = ours.mapping, &n = theirs.mapping;
-  const GridRect &e = ours.extent, &f = theirs.extent;
-  return near(m.x(e.first.col), n.x(f.first.col), m.dx) && near(m.y(e.first.row), n.y(f.first.row), m.dy) &&
-         near(m.x(e.last.col), n.x(f.last.col), m.dx) && near(m.y(e.last.row), n.y(f.last.row), m.dy);
-}
-
-}  // namespace
-
 std::string name_of(const std::vector<std::string>& against) {
   return against.size() == 1 ? against.front() : fmt::format("{} and {} more", against.front(), against.size() - 1);
 }
 
 SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
                         const std::string& database) {
-  const auto raster =
-      std::make_shared<Raster>(std::vector<std::filesystem::path>{against.begin(), against.end()}, InputOptions{});
-  const GridRect ours = description.extent, theirs = raster->description().extent;
+  const auto raster = std::make_shared<PlainReader>(std::vector<std::filesystem::path>{against.begin(), against.end()}, PlainRules{},
+                                                    description, database);
+  const GridRect ours = description.extent, theirs = raster->extent();
   if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
                               database, ours.cols(), ours.rows(), name_of(against), theirs.cols(), theirs.rows()));
   }
-  if (!is_same_place(description, raster->description())) {
+  if (!(ours == theirs)) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("{} lies elsewhere than {}: not the raster this database was made from", name_of(against),
                               database));
   }
-  if (!same_crs(description.crs_wkt, raster->description().crs_wkt)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has another CRS than {}, or one of them has none: not the raster this database was made from",
-                              name_of(against), database));
-  }
-  // Joined otherwise, the same raster may count its samples from another corner.
-  const std::int32_t east = theirs.first.col - ours.first.col, south = theirs.first.row - ours.first.row;
-  return [raster, east, south](GridRect part) {
-    SampleWindow window =
-        raster->read({{part.first.col + east, part.first.row + south}, {part.last.col + east, part.last.row + south}});
-    window.region = part;
-    return window;
-  };
+  return [raster](GridRect part) { return raster->read(part); };
 }
 
 SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>& against, const std::string& database) {

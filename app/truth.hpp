@@ -8,11 +8,11 @@
 
 namespace talus::app {
 
-/// Reads the raster in a database's samples. It keeps the raster open.
+/// Reads the raster in a database's samples, by other code than ingest's. It keeps the raster open.
 ///
 /// against   files, folders and @lists, as ingest takes them; at least one
 /// database  its name, for sentences
-/// fails     as Raster; invalid_argument: another number of samples, samples in other places, or another CRS
+/// fails     as PlainReader; invalid_argument: another number of samples, samples in other places, or another CRS
 [[nodiscard]] SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
                                       const std::string& database);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/doors.hpp"
+#include "app/progress.hpp"
 #include "app/report.hpp"
 #include "app/truth.hpp"
 #include "talus/database.hpp"
@@ -25,23 +27,63 @@ struct Request {
 struct Checked {
   VerifyReport report;
   Description description;
+  std::vector<std::string> sources;  ///< names of what the database was made from
   [[nodiscard]] bool keeps_bound() const { return description.error_kind != ErrorKind::midpoint; }
 };
 
+std::vector<std::string> sources_of(const Snapshot& now) {
+  std::vector<std::string> names;
+  try {
+    for (const SourceFile& source : now.provenance().sources) names.push_back(source.name);
+  } catch (const Failure&) {
+    // The check says that the provenance is damaged.
+  }
+  return names;
+}
+
+/// A file whose header or outer structure is damaged cannot be checked any further.
+Snapshot open_or_advise(const std::string& database) {
+  try {
+    return open_database(database).snapshot();
+  } catch (const Failure& f) {
+    if (f.cause() != Cause::corrupt) throw;
+    throw Failure(Cause::corrupt, fmt::format("{}; restore the file from a backup, or ingest its sources again", f.what()),
+                  database);
+  }
+}
+
 Checked check(const Request& request, std::optional<Metres> tolerance) {
-  const Snapshot now = open_database(request.database).snapshot();
-  const Description& d = now.description();
-  if (request.against.empty()) return {verify(now), d};
-  const SampleReader truth = open_truth(request.against, d, request.database);
-  return {tolerance ? verify(now, truth, *tolerance) : verify(now, truth), d};
+  const Snapshot now = open_or_advise(request.database);
+  Checked made{{}, now.description(), sources_of(now)};
+  Progress progress;
+  VerifyOptions options;
+  options.tolerance = tolerance;
+  options.progress = [&](double fraction, const char* stage) { progress.show(fraction, stage); };
+  if (!request.against.empty()) options.truth = open_truth(request.against, made.description, request.database);
+  made.report = verify(now, options);
+  return made;
+}
+
+/// What to do with a damaged database, and what it is still good for.
+std::string advice(const Checked& checked) {
+  constexpr std::size_t kNamed = 3;
+  std::string sources;
+  for (std::size_t i = 0; i < std::min(kNamed, checked.sources.size()); ++i)
+    sources += (i == 0 ? "" : ", ") + checked.sources[i];
+  if (checked.sources.size() > kNamed) sources += fmt::format(" and {} more", checked.sources.size() - kNamed);
+  const std::string again = sources.empty() ? "ingest its sources again" : "ingest again from: " + sources;
+  const std::string restore = "restore the file from a backup, or " + again;
+  if (!checked.report.is_rest_usable) return "do not use it; " + restore;
+  return (checked.report.damaged.empty() ? "answers are right, but the file changed since it was made; "
+                                         : "answers that need nothing from the damaged rectangles are right; ") + restore;
 }
 
 // The surface is double arithmetic on heights: a nanometre, and a part in 10¹², is rounding.
 bool is_within(Metres error, Metres tolerance, double part) { return error.value <= tolerance.value * (1 + part) + 1e-9; }
 
-bool is_sound(const Checked& checked, std::optional<Metres> tolerance) {
+/// Whether the measured surface keeps what was promised.
+bool is_within_bound(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
-  if (report.finding_count > 0 || report.uncovered_samples > 0) return false;
   if (!tolerance || !report.true_error || !checked.keeps_bound()) return true;
   const Description& d = checked.description;
   const Metres promised{std::max({tolerance->value, d.lossy_metres, d.finest_tolerance})};
@@ -50,12 +92,45 @@ bool is_sound(const Checked& checked, std::optional<Metres> tolerance) {
                                     : is_within(*report.true_error, promised, 1e-12);
 }
 
+Exit exit_of(const Checked& checked, std::optional<Metres> tolerance) {
+  if (checked.report.is_damaged()) return Exit::corrupt;
+  return checked.report.differences > 0 || !is_within_bound(checked, tolerance) ? Exit::differs : Exit::done;
+}
+
+std::string verdict(const Checked& checked, std::optional<Metres> tolerance, bool with_details) {
+  if (checked.report.is_damaged()) return "DAMAGED";
+  if (!is_within_bound(checked, tolerance)) return "BEYOND ITS BOUND";
+  if (checked.report.differences > 0) return with_details ? "NOT THE SAME AS THE SOURCE (sound in itself)" : "DIFFERS";
+  return checked.keeps_bound() || !with_details ? "sound" : "sound, without any bound";
+}
+
+std::string lower(std::string words) {
+  std::transform(words.begin(), words.end(), words.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return words;
+}
+
 Json to_json(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
-  Json json{{"pages", report.pages},
+  Json damaged = Json::array();
+  for (const DamagedPart& part : report.damaged) {
+    const Rectangle& r = part.rectangle;
+    const GridRect& g = part.samples;
+    damaged.push_back({{"rectangle", {r.xmin, r.ymin, r.xmax, r.ymax}},
+                       {"samples", {g.first.col, g.first.row, g.last.col, g.last.row}},
+                       {"finding", part.finding},
+                       {"findings", part.findings}});
+  }
+  Json json{{"verdict", lower(verdict(checked, tolerance, false))},
+            {"pages", report.pages},
+            {"records", report.records},
+            {"answers", report.answers},
             {"samples", report.samples},
             {"findings", report.findings},
-            {"finding_count", report.finding_count}};
+            {"finding_count", report.finding_count},
+            {"differences", report.differences},
+            {"damaged", damaged},
+            {"rest_usable", report.is_rest_usable}};
+  if (report.is_damaged()) json["advice"] = advice(checked);
   if (report.true_error) {
     json["true_error"] = report.true_error->value;
     if (report.perpendicular_error) json["perpendicular_error"] = report.perpendicular_error->value;
@@ -81,7 +156,8 @@ std::string beyond(const VerifyReport& report, Metres tolerance) {
 Table to_table(const Request& request, const Checked& made, std::optional<Metres> tolerance) {
   const VerifyReport& report = made.report;
   Table table;
-  std::string checked = fmt::format("{} pages", counted(report.pages));
+  std::string checked = fmt::format("{} pages, {} records, {} answers", counted(report.pages), counted(report.records),
+                                    counted(report.answers));
   if (!request.against.empty()) {
     checked += fmt::format(", {} samples against {}", counted(report.samples), name_of(request.against));
   }
@@ -108,8 +184,24 @@ Table to_table(const Request& request, const Checked& made, std::optional<Metres
   if (report.finding_count > report.findings.size()) {
     table.add("", fmt::format("and {} more", counted(report.finding_count - report.findings.size())));
   }
-  table.add("verdict", is_sound(made, tolerance) ? (made.keeps_bound() ? "sound" : "sound, without any bound") : "NOT SOUND");
+  constexpr std::size_t kListed = 20;
+  for (std::size_t i = 0; i < std::min(kListed, report.damaged.size()); ++i)
+    table.add(i == 0 ? "damaged" : "", bounds_text(made.description, report.damaged[i].samples));
+  if (report.damaged.size() > kListed)
+    table.add("", fmt::format("and {} more rectangles; --json lists them", counted(report.damaged.size() - kListed)));
+  table.add("verdict", verdict(made, tolerance, true));
+  if (report.is_damaged()) table.add("", advice(made));
   return table;
+}
+
+/// Standard error says it too, for whoever does not look at the exit code.
+Exit say(const Request& request, const Checked& checked, Exit code) {
+  if (code == Exit::done) return code;
+  const VerifyReport& report = checked.report;
+  const std::string first = report.findings.empty() ? "the surface lies beyond its bound" : report.findings.front();
+  fmt::print(stderr, "talus: {} {}: {}\n", request.database, code == Exit::corrupt ? "is damaged" : "does not keep to its source",
+             first);
+  return code;
 }
 
 Exit run(const Request& request) {
@@ -126,7 +218,7 @@ Exit run(const Request& request) {
   } else {
     print(to_table(request, report, tolerance));
   }
-  return is_sound(report, tolerance) ? Exit::done : Exit::corrupt;
+  return say(request, report, exit_of(report, tolerance));
 }
 
 }  // namespace
@@ -143,12 +235,15 @@ void add_verify(CLI::App& program, Action& action) {
   command->add_flag("--json", request->json, "Print one JSON object");
   command->footer(
       "\n"
-      "Check a database: every page's checksum and content, page tables against pages, errors never below\n"
-      "their children's. With --against also every stored sample against the raster, bit for bit, or within what\n"
-      "--height-step of ingest rounded; with --tolerance also the true error, in metres, of that answer: its mesh laid\n"
-      "over every sample.\n"
+      "Check a database against itself: the file's trees and seal, every page, what two places both hold, errors,\n"
+      "records and coarse levels computed again from the samples, and answers at 0 and at 1, 2, 5 ... metres.\n"
+      "It goes on after the first damage, lists the damaged rectangles, and says what to do.\n"
       "\n"
-      "Exit code 3 if anything is wrong.\n"
+      "With --against also every stored sample against the raster, bit for bit, or within what --height-step of\n"
+      "ingest rounded. The raster is read by other code than ingest's. With --tolerance also the true error, in\n"
+      "metres, of that answer: its mesh laid over every sample.\n"
+      "\n"
+      "Exit code 3: damaged. 5: sound, but it differs from its source, or a surface lies beyond its bound.\n"
       "\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");
   command->callback([request, &action] { action = [request] { return run(*request); }; });
 }

@@ -47,6 +47,7 @@ void Base::fill(Window& window) const {
       const auto stored = txn_.find({0, curve_position(id)});
       if (!stored) continue;  // voids only
       const Page& page = decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content);
+      txn_.require_all_bytes();
       for (std::int32_t row = 0; row < page.grid.rows; ++row) {
         for (std::int32_t col = 0; col < page.grid.cols; ++col) {
           const GridPoint p = page.grid.at(col, row);

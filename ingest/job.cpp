@@ -192,6 +192,7 @@ Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, s
     const auto stored = view.find(key);
     if (!stored) return nullptr;
     const Page& page = decoder.decode_heights(id, job.description.extent, job.making.bands, job.distance, stored->content);
+    view.require_all_bytes();
     view.forget(key);
     return &page;
   };

@@ -5,8 +5,6 @@
 
 #include <ogr_spatialref.h>
 
-#include "engine/geodesy.hpp"
-
 namespace talus {
 
 Ground::Ground(const std::string& crs_wkt) {
@@ -32,6 +30,14 @@ double Ground::metres(Position from, Position to) const {
   if (degrees_per_unit_ == 0) return std::hypot(to.x - from.x, to.y - from.y) * metres_per_unit_;
   const auto in_degrees = [&](Position p) { return Position{p.x * degrees_per_unit_, p.y * degrees_per_unit_}; };
   return length_in_degrees(in_degrees(from), in_degrees(to), radius_, flattening_).value;
+}
+
+GroundScale Ground::scale_of(const GridMapping& mapping, GridRect extent) const {
+  if (degrees_per_unit_ == 0)
+    return GroundScale::planar(Metres{std::abs(mapping.dx) * metres_per_unit_}, Metres{std::abs(mapping.dy) * metres_per_unit_});
+  GridMapping degrees = mapping;
+  for (double* v : {&degrees.x0, &degrees.y0, &degrees.dx, &degrees.dy}) *v *= degrees_per_unit_;
+  return GroundScale::geographic(degrees, extent, radius_, flattening_);
 }
 
 }  // namespace talus

@@ -1,6 +1,7 @@
 #pragma once
 // Lengths on the ground of lines that are straight in CRS coordinates.
 
+#include "engine/geodesy.hpp"
 #include "talus/description.hpp"
 
 namespace talus {
@@ -19,6 +20,9 @@ class Ground {
 
   /// Of the straight line between two positions. In degrees: see length_in_degrees, over the CRS's ellipsoid.
   [[nodiscard]] double metres(Position from, Position to) const;
+
+  /// Of a database's cells, as ingest measures the sides of triangles: the same numbers, bit for bit.
+  [[nodiscard]] GroundScale scale_of(const GridMapping& mapping, GridRect extent) const;
 
  private:
   double metres_per_unit_ = 1;   ///< of a projected CRS

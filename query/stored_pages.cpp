@@ -106,11 +106,26 @@ void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage&
                 file_);
 }
 
+/// What was decoded, if the file had all its bytes until the end.
+template <class Decode>
+const Page& StoredPages::whole(Decode&& decode) const {
+  try {
+    const Page& page = decode();
+    txn_.require_all_bytes();
+    return page;
+  } catch (const Failure&) {
+    txn_.require_all_bytes();
+    throw;
+  }
+}
+
 const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
   const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
-  return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  return whole([&]() -> const Page& {
+    return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  });
 }
 
 std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generation, QueryCost& cost) const {
@@ -133,7 +148,9 @@ const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, s
   const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);
   if (generation != nullptr) *generation = stored.generation;
-  return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  return whole([&]() -> const Page& {
+    return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  });
 }
 
 const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
@@ -141,7 +158,9 @@ const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDe
   const Stopwatch reading(cost.reading_seconds);
   const StoredPage stored = find(id, cost);
   require(id, generation, stored);
-  return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  return whole([&]() -> const Page& {
+    return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  });
 }
 
 }  // namespace talus

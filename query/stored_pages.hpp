@@ -39,7 +39,7 @@ class StoredPages {
 
   /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
   /// next. Adds what it cost.
-  /// fails  corrupt: missing, stale or damaged
+  /// fails  corrupt: missing, stale or damaged; io: the file has become shorter, or its disk fails
   [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
   /// The same page to share, for as long as it is held: from the cache if it is there, which counts as cached and not
   /// as read, else read and left in the cache.
@@ -55,6 +55,8 @@ class StoredPages {
  private:
   [[nodiscard]] StoredPage find(PageId id, QueryCost& cost) const;
   void require(PageId id, std::uint32_t generation, const StoredPage& page) const;
+  template <class Decode>
+  [[nodiscard]] const Page& whole(Decode&& decode) const;
 
   ReadTxn txn_;
   std::shared_ptr<PageCache> cache_;

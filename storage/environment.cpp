@@ -55,7 +55,35 @@ void PageStore::Environment::open_tables() {
     check(code, "open table", file);
     tables[i] = table;
   }
+  watch_map(raw);
   check(mdb_txn_commit(txn.release()), "keep tables", file);
+}
+
+void PageStore::Environment::watch_map(MDB_txn* txn) {
+  // A cursor's key points into a page, whose header begins with its number. LMDB does not say where its map begins.
+  MDB_dbi main = 0;
+  MDB_cursor* raw = nullptr;
+  if (mdb_dbi_open(txn, nullptr, 0, &main) != MDB_SUCCESS || mdb_cursor_open(txn, main, &raw) != MDB_SUCCESS) return;
+  const std::unique_ptr<MDB_cursor, decltype(&mdb_cursor_close)> cursor(raw, mdb_cursor_close);
+  MDB_val key{}, value{};
+  if (mdb_cursor_get(raw, &key, &value, MDB_FIRST) != MDB_SUCCESS) return;  // nothing is in it
+  MDB_stat sizes{};
+  MDB_envinfo info{};
+  check(mdb_env_stat(env.get(), &sizes), "look at the map", file);
+  check(mdb_env_info(env.get(), &info), "look at the map", file);
+  const auto at = reinterpret_cast<std::uintptr_t>(key.mv_data);
+  const auto* page = static_cast<const std::byte*>(key.mv_data) - at % sizes.ms_psize;
+  std::uint64_t number = 0;
+  std::memcpy(&number, page, sizeof number);
+  if (number <= info.me_last_pgno) guard.watch(page - number * sizes.ms_psize, info.me_mapsize);
+}
+
+void PageStore::Environment::require_all_bytes() const {
+  if (!guard.has_lost_bytes()) return;
+  throw Failure(Cause::io,
+                fmt::format("{}: became shorter while it was read, or its disk fails: restore the file, and open it again",
+                            file.string()),
+                file);
 }
 
 namespace {

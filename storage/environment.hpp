@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "storage/map_guard.hpp"
 #include "storage/page_store.hpp"
 
 struct MDB_env;
@@ -35,6 +36,7 @@ inline constexpr unsigned kMaxTables = 34;  ///< the header's, 32 bands', the re
 
 struct PageStore::Environment {
   EnvPtr env;
+  MapGuard guard;  ///< ends before the map does: its range is free for others then
   /// LMDB's handles of the tables, the header's first. Opened once: two transactions that open tables at a time
   /// share a slot and spoil each other.
   std::array<std::optional<unsigned>, kMaxTables> tables{};
@@ -43,6 +45,10 @@ struct PageStore::Environment {
 
   /// Opens those tables that are there and not open yet.
   void open_tables();
+  /// Tells the guard where LMDB's map lies, which follows from any page of it.
+  void watch_map(MDB_txn* txn);
+  /// fails  io: the file has become shorter, or cannot be read any more; what was read since may be zeros
+  void require_all_bytes() const;
 };
 
 }  // namespace talus

@@ -13,6 +13,8 @@
 
 namespace talus {
 
+class Failure;
+
 /// Where a page lies: a named table and a position in it. Keys are big-endian, so that the order of bytes
 /// is the order of positions.
 struct PageKey {
@@ -68,11 +70,15 @@ class ReadTxn {
   ReadTxn& operator=(ReadTxn&&) noexcept;
 
   /// A page, checked against its checksum. Empty if there is none.
-  /// fails  corrupt: checksum
+  /// fails  corrupt: checksum; io: the file has become shorter since it was opened, or its disk fails
   [[nodiscard]] std::optional<StoredPage> find(PageKey key) const;
 
   /// visit(position) for each page of a table in order.
-  void for_each(int table, const std::function<void(std::uint64_t position)>& visit) const;
+  ///
+  /// damaged  if given, told of a shelf that cannot be read, by the position of its first page, and the walk goes on
+  /// fails    corrupt: a damaged tree, or shelf without `damaged`
+  void for_each(int table, const std::function<void(std::uint64_t position)>& visit,
+                const std::function<void(std::uint64_t first, const Failure&)>& damaged = {}) const;
   /// Whether a table has a page at a position. Reads no content.
   /// fails  corrupt: a shelf that is damaged
   [[nodiscard]] bool has(PageKey key) const;
@@ -80,6 +86,10 @@ class ReadTxn {
   /// process's otherwise. Bytes found there before are read anew when they are looked at again.
   void forget(PageKey key) const;
   [[nodiscard]] TableSummary summary(int table) const;
+  /// To be asked when what was made of a page's bytes is to be used. A file that has become shorter since find() has zeros
+  /// there; they are no failure of find().
+  /// fails  io: so it is
+  void require_all_bytes() const;
   [[nodiscard]] std::uint64_t file_bytes() const;
 
  private:

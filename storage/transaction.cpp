@@ -31,6 +31,7 @@ struct ReadTxn::Impl {
     KeyBytes bytes = key_bytes(position);
     MDB_val key{bytes.size(), bytes.data()}, found{};
     const int code = mdb_get(txn.get(), *table(number), &key, &found);
+    environment->require_all_bytes();
     if (code == MDB_NOTFOUND) return std::nullopt;
     check(code, "read", file());
     return std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size);
@@ -46,6 +47,7 @@ struct ReadTxn::Impl {
     MDB_val key{}, found{};
     int code = mdb_cursor_get(raw, &key, &found, MDB_FIRST);
     for (; code == MDB_SUCCESS; code = mdb_cursor_get(raw, &key, &found, MDB_NEXT)) {
+      environment->require_all_bytes();
       if (key.mv_size != sizeof(KeyBytes)) {
         throw Failure(Cause::corrupt, fmt::format("corrupt: {}: {} has a key of {} bytes", file().string(),
                                                   table_name(number), key.mv_size));
@@ -53,9 +55,11 @@ struct ReadTxn::Impl {
       try {
         visit(position_of(key.mv_data), std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size));
       } catch (const Failure& f) {
+        environment->require_all_bytes();
         throw f.cause() == Cause::corrupt ? in_file(f) : f;
       }
     }
+    environment->require_all_bytes();
     if (code != MDB_NOTFOUND) check(code, "walk table", file());
   }
 };
@@ -70,6 +74,7 @@ ReadTxn::ReadTxn(const PageStore& store) : impl_(std::make_unique<Impl>()) {
     MDB_stat ignored{};
     if (table) check(mdb_stat(txn, *table, &ignored), "look at a table", impl_->file());
   }
+  impl_->environment->require_all_bytes();
 }
 
 ReadTxn::~ReadTxn() = default;
@@ -85,6 +90,7 @@ std::optional<StoredPage> ReadTxn::find(PageKey key) const {
     if (stored.empty()) return std::nullopt;
     return unwrapped(key, stored);
   } catch (const Failure& f) {
+    impl_->environment->require_all_bytes();
     throw impl_->in_file(f);
   }
 }
@@ -95,6 +101,7 @@ bool ReadTxn::has(PageKey key) const {
   try {
     return !pages_of_shelf(key.table, value_position(key), *value)[key.position % kShelfPages].empty();
   } catch (const Failure& f) {
+    impl_->environment->require_all_bytes();
     throw impl_->in_file(f);
   }
 }
@@ -121,10 +128,17 @@ void ReadTxn::forget(PageKey key) const {
   if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
 }
 
-void ReadTxn::for_each(int table, const std::function<void(std::uint64_t)>& visit) const {
+void ReadTxn::for_each(int table, const std::function<void(std::uint64_t)>& visit,
+                       const std::function<void(std::uint64_t, const Failure&)>& damaged) const {
   impl_->for_each_value(table, [&](std::uint64_t position, std::span<const std::byte> value) {
     if (!is_shelved(table)) return visit(position);
-    const auto pages = pages_of_shelf(table, position, value);
+    std::array<std::span<const std::byte>, kShelfPages> pages;
+    try {
+      pages = pages_of_shelf(table, position, value);
+    } catch (const Failure& f) {
+      if (!damaged) throw;
+      return damaged(position << kShelfShift, impl_->in_file(f));
+    }
     for (std::size_t i = 0; i < kShelfPages; ++i) {
       if (!pages[i].empty()) visit(position << kShelfShift | i);
     }
@@ -144,6 +158,8 @@ TableSummary ReadTxn::summary(int table) const {
   });
   return sum;
 }
+
+void ReadTxn::require_all_bytes() const { impl_->environment->require_all_bytes(); }
 
 std::uint64_t ReadTxn::file_bytes() const { return impl_->environment->file_bytes; }
 

@@ -280,11 +280,28 @@ class Database {
 
 // ---- verify --------------------------------------------------------------------------------------
 
+/// A rectangle of a database in which something is wrong.
+struct DamagedPart {
+  GridRect samples;            ///< an answer that needs them may be refused, or wrong
+  Rectangle rectangle;         ///< the same in the CRS, from the outermost samples to the outermost samples
+  std::string finding;         ///< the first finding about it
+  std::uint64_t findings = 1;  ///< how many there are
+};
+
 /// What a check found. Empty `findings` means sound; each finding is a sentence naming page or sample.
 struct VerifyReport {
-  std::uint64_t pages = 0, samples = 0;  ///< checked
-  std::vector<std::string> findings;     ///< at most 20 are spelled out
+  std::uint64_t pages = 0, records = 0, samples = 0;  ///< checked
+  std::vector<std::string> findings;                  ///< at most 20 are spelled out
   std::uint64_t finding_count = 0;
+  /// So many of the findings do not say that the database is damaged: it is sound in itself and differs from the truth, or its
+  /// surface lies beyond the bound.
+  std::uint64_t differences = 0;
+  [[nodiscard]] bool is_damaged() const { return finding_count > differences; }
+  std::vector<DamagedPart> damaged;  ///< at most 1000, in the order in which they were found
+  /// All damage lies in `damaged`: answers that need nothing from there are right. False where something is wrong that all
+  /// answers depend on, or where the file cannot be followed.
+  bool is_rest_usable = true;
+  std::uint64_t answers = 0;         ///< asked and triangulated
   std::optional<Metres> true_error;  ///< of the answer, along the vertical, by brute force, if a tolerance was given
   std::optional<Metres> perpendicular_error;  ///< the same at right angles, of a database with that metric
   std::uint64_t vertices = 0, triangles = 0;
@@ -295,15 +312,33 @@ struct VerifyReport {
 /// Reads a rectangle of the truth to compare with.
 using SampleReader = std::function<SampleWindow(GridRect)>;
 
-/// Structure: every page's checksum and content, page tables against pages, errors never below their
-/// children's. Memory: a few rows of pages.
-[[nodiscard]] VerifyReport verify(const Snapshot& snapshot);
-/// That, and every stored sample against the truth, which is the source as it was before ingest rounded anything: bit for bit,
-/// or within Description::lossy_metres. Of a database with a finest tolerance those it kept, and the whole answer at that
-/// tolerance, as below.
+struct VerifyOptions {
+  /// The source as it was before ingest rounded anything: every stored sample is held against it, bit for bit, or within
+  /// Description::lossy_metres. Of a database with a finest tolerance those it kept, and the whole answer at that tolerance.
+  SampleReader truth = {};
+  /// With a truth: the true error of the whole answer at this tolerance, its mesh held against every sample.
+  std::optional<Metres> tolerance = {};
+  /// Told now and then how much of the work is done, 0 to 1, and what is being done. May throw to end the work.
+  std::function<void(double fraction, const char* stage)> progress = {};
+};
+
+/// Holds a database against itself, and goes on after the first finding:
+/// - the file: its trees, and every byte against its seal
+/// - pages: checksums; tables of pages below them; heights and voids that a page above repeats; errors never below those of
+///   vertices that depend on them, across pages too
+/// - what follows from the stored samples is computed again, tile by tile, and compared: errors, triangles with data, fills,
+///   records; from the records the coarse levels, the manifest's extremes and the provenance's counts. A database with a finest
+///   tolerance has not kept all samples: there only its coarse levels are computed again
+/// - answers at 0 and at 1, 2, 5 … m up to the largest error are asked and triangulated, as a whole or in squares of 2048 samples
+///
+/// What a query refuses is found here. What is not found: another mapping, CRS or name in the manifest, and samples that were
+/// changed with everything that follows from them; a truth finds these samples.
+///
+/// fails  not_found, io; what the truth and `progress` throw. Damage is no failure
+/// cost   the time of an ingest without its reading, and of some answers to the whole raster. Memory: about 120 MB, 40 bytes for
+///        each 64² samples, and an answer of 2048² samples (some 250 MB); with a tolerance the mesh of the whole answer
+[[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const VerifyOptions& options = {});
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth);
-/// That, and the true error of the whole answer at a tolerance: its mesh held against every sample.
-/// Memory: the mesh and a strip of samples.
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth, Metres tolerance);
 
 // ---- export --------------------------------------------------------------------------------------

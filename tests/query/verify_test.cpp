@@ -1,0 +1,408 @@
+// What verify finds in databases whose every checksum fits: each is damaged in one way and no other.
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "engine/triangulation.hpp"
+#include "talus/talus.hpp"
+#include "tests/support/forged_database.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/raster_file.hpp"
+
+namespace talus::support {
+namespace {
+
+/// Two tiles and a little of two more, with lakes of void; made once.
+class ForgedDatabase : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = new TempFolder;
+    Terrain terrain = void_blobs(fit(fractal(1300, 300, 4, 600), SampleType::int16), 3, 7);
+    for (int row = 100; row < 179; ++row) {  // far from data: fills of coarse vertices are found here
+      for (int col = 380; col < 640; ++col) terrain.make_void(col, row);
+    }
+    RasterOptions options;
+    options.geotransform = {500000, 10, 0, 5600400, 0, -10};
+    write_raster(terrain, *folder / "a.tif", options);
+    ingest(*folder / "a.tif", *folder / "a.talus");
+    Terrain more = fit(fractal(150, 120, 9, 600), SampleType::int16);
+    options.geotransform = {501000, 10, 0, 5600000, 0, -10};
+    write_raster(more, *folder / "more.tif", options);
+    std::filesystem::copy_file(*folder / "a.talus", *folder / "updated.talus");
+    update({*folder / "more.tif"}, *folder / "updated.talus");
+  }
+  static void TearDownTestSuite() { delete folder; }
+
+  static VerifyReport verified(const Forgery& forgery) {
+    forgery.write(*folder / "forged.talus");
+    return verify(Database::open(*folder / "forged.talus").snapshot());
+  }
+  /// Found, and in a rectangle with this sample.
+  static void expect_found(const Forgery& forgery, const std::string& word, std::optional<GridPoint> at = {}) {
+    const VerifyReport report = verified(forgery);
+    ASSERT_TRUE(report.is_damaged());
+    EXPECT_TRUE(std::any_of(report.findings.begin(), report.findings.end(), [&](const std::string& f) {
+      return f.find(word) != std::string::npos;
+    })) << report.findings.front();
+    if (!at) return;
+    EXPECT_TRUE(report.is_rest_usable) << report.findings.front();
+    EXPECT_TRUE(std::any_of(report.damaged.begin(), report.damaged.end(),
+                            [&](const DamagedPart& d) { return d.samples.contains(*at); }));
+    const GridMapping m{500005, 5600395, 10, -10};
+    for (const DamagedPart& d : report.damaged) {
+      EXPECT_DOUBLE_EQ(d.rectangle.xmin, m.x(d.samples.first.col));
+      EXPECT_DOUBLE_EQ(d.rectangle.ymin, m.y(d.samples.last.row));
+      EXPECT_DOUBLE_EQ(d.rectangle.xmax, m.x(d.samples.last.col));
+      EXPECT_DOUBLE_EQ(d.rectangle.ymax, m.y(d.samples.first.row));
+    }
+  }
+  static std::size_t index(const Page& page, GridPoint p) {
+    return page.index((p.col >> page.grid.shift) - page.grid.first.col,
+                      (p.row >> page.grid.shift) - page.grid.first.row);
+  }
+  /// An own vertex of a page for which something holds.
+  static GridPoint own_vertex(const Page& page, const std::function<bool(std::size_t, GridPoint)>& holds) {
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        if (page.is_own(p) && spacing(p) != kRootSpacing && holds(page.index(col, row), p)) return p;
+      }
+    }
+    throw std::runtime_error("the test's database has no such vertex");
+  }
+
+  static TempFolder* folder;
+};
+TempFolder* ForgedDatabase::folder = nullptr;
+
+TEST_F(ForgedDatabase, IsSoundAsItWasMade) {
+  for (const char* name : {"a.talus", "updated.talus"}) {
+    Forgery same(*folder / name);
+    EXPECT_EQ(verified(same).findings, std::vector<std::string>());
+    same.hide();
+    EXPECT_EQ(verified(same).findings, std::vector<std::string>()) << "hiding nothing changes nothing";
+  }
+}
+
+TEST_F(ForgedDatabase, ARepeatedHeightOfAFinePageIsFound) {
+  Forgery forged(*folder / "a.talus");
+  Page page = forged.page({0, 1, 1});
+  page.heights[index(page, {136, 136})] += 1;  // every 8th column and row stands in the page above, too
+  forged.put(page);
+  forged.hide();
+  expect_found(forged, "column 136, row 136", GridPoint{136, 136});
+}
+
+TEST_F(ForgedDatabase, ARepeatedHeightOfACoarsePageIsFound) {
+  for (const int band : {1, 2}) {
+    Forgery forged(*folder / "a.talus");
+    Page page = forged.page({band, 0, 0});
+    page.heights[index(page, {192, 64})] += 1;
+    forged.put(page);
+    forged.hide();
+    expect_found(forged, "column 192, row 64", GridPoint{192, 64});
+  }
+}
+
+TEST_F(ForgedDatabase, AnyOtherHeightOfAFinePageIsFound) {
+  Forgery forged(*folder / "a.talus");
+  Page page = forged.page({0, 1, 1});
+  page.heights[index(page, {133, 141})] += 40;
+  forged.put(page);
+  forged.hide();
+  expect_found(forged, "error", GridPoint{133, 141});
+}
+
+TEST_F(ForgedDatabase, AnErrorBelowThatOfAVertexInAnotherPageIsFound) {
+  // A vertex of band 1 that a vertex of band 0 depends on.
+  Forgery forged(*folder / "a.talus");
+  const Page fine = forged.page({0, 1, 1});
+  GridPoint parent{};
+  own_vertex(fine, [&](std::size_t i, GridPoint p) {
+    parent = diamond(p).apexes[0];
+    return fine.errors[i] > 0 && band_of(parent, 3) == 1 && page_square({1, 0, 0}).contains(parent);
+  });
+  Page coarse = forged.page({1, 0, 0});
+  coarse.errors[index(coarse, parent)] = 0;
+  forged.put(coarse);
+  forged.hide();
+  expect_found(forged, "is below", parent);
+}
+
+TEST_F(ForgedDatabase, AnErrorBelowThatOfAVertexBesideThePageIsFound) {
+  // The neighbour's outermost vertices depend on the first column of this page.
+  Forgery forged(*folder / "a.talus");
+  const Page west = forged.page({0, 0, 1});
+  GridPoint parent{};
+  own_vertex(west, [&](std::size_t i, GridPoint p) {
+    parent = diamond(p).apexes[1];
+    return p.col == 127 && west.errors[i] > 0 && parent.col == 128 && band_of(parent, 3) == 0;
+  });
+  Page east = forged.page({0, 1, 1});
+  east.errors[index(east, parent)] = 0;
+  forged.put(east);
+  forged.hide();
+  expect_found(forged, "is below", parent);
+}
+
+TEST_F(ForgedDatabase, AnErrorThatNothingDependsOnIsFoundLoweredOrRaised) {
+  for (const int by : {-1, 1}) {
+    Forgery forged(*folder / "a.talus");
+    Page page = forged.page({0, 2, 0});
+    const GridPoint p = own_vertex(
+        page, [&](std::size_t i, GridPoint v) { return spacing(v) == 1 && !is_centre(v) && page.errors[i] > 3; });
+    page.errors[index(page, p)] = static_cast<ErrorCode>(page.errors[index(page, p)] + by);
+    forged.put(page);
+    forged.hide();
+    expect_found(forged, "error", p);
+  }
+}
+
+TEST_F(ForgedDatabase, ACoarseErrorThatIsTooLowIsFound) {
+  Forgery forged(*folder / "a.talus");
+  Page page = forged.page({2, 0, 0});
+  const GridPoint p =
+      own_vertex(page, [&](std::size_t i, GridPoint v) { return spacing(v) == 64 && page.errors[i] > 3; });
+  --page.errors[index(page, p)];
+  forged.put(page);
+  forged.hide();
+  expect_found(forged, "", p);
+}
+
+TEST_F(ForgedDatabase, AnErrorInAPagesTableOfPagesBelowIsFound) {
+  for (const int by : {-1, 1}) {
+    Forgery forged(*folder / "a.talus");
+    Page page = forged.page({1, 0, 0});
+    page.children[9].largest = static_cast<ErrorCode>(page.children[9].largest + by);
+    forged.put(page);
+    expect_found(forged, "largest error", GridPoint{130, 130});
+  }
+}
+
+TEST_F(ForgedDatabase, ARecordOfAnotherTileIsFound) {
+  Forgery forged(*folder / "a.talus");
+  TileSummary record = forged.record(1, 0);
+  record.entry = forged.record(0, 0).entry;
+  forged.put(0, 0, record);
+  expect_found(forged, "record of tile 0/0", GridPoint{0, 0});
+}
+
+TEST_F(ForgedDatabase, ARecordThatSaysSomethingElseIsFound) {
+  const std::vector<std::function<void(TileSummary&)>> changes{
+      [](TileSummary& r) { r.posts[17] += 1; },
+      [](TileSummary& r) { r.post_valid[17] ^= 1; },
+      [](TileSummary& r) { ++r.valid_samples; },
+      [](TileSummary& r) { r.lowest -= 1; },
+      [](TileSummary& r) { r.errors[3] += 1; },
+      [](TileSummary& r) { r.record.errors[20] = static_cast<ErrorCode>(r.record.errors[20] + 1); },
+      [](TileSummary& r) { r.record.blocks[5].above += 1; },
+      [](TileSummary& r) { r.record.blocks[5].holds ^= 1; },
+      [](TileSummary& r) { r.record.holds[20] ^= 2; },
+      [](TileSummary& r) { r.entry.largest = 7; },
+      [](TileSummary& r) { r.entry.generation = 3; },
+  };
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    SCOPED_TRACE(i);
+    Forgery forged(*folder / "a.talus");
+    TileSummary record = forged.record(0, 0);
+    changes[i](record);
+    forged.put(0, 0, record);
+    expect_found(forged, "record of tile 0/0", GridPoint{0, 0});
+  }
+  Forgery without(*folder / "a.talus");
+  without.stored.erase({kRecordTable, curve_position({1, 0, 0})});
+  expect_found(without, "record of tile 0/0: missing", GridPoint{0, 0});
+  Forgery beyond(*folder / "a.talus");
+  beyond.put(7, 7, beyond.record(0, 0));
+  expect_found(beyond, "record of a tile");
+}
+
+TEST_F(ForgedDatabase, APageOfAnOlderGenerationIsFound) {
+  // As after an update that did not reach this page, once as it is and once with everything above made to fit.
+  const Forgery before(*folder / "a.talus"), after(*folder / "updated.talus");
+  for (const PageId id : {PageId{0, 1, 1}, PageId{1, 0, 0}, PageId{2, 0, 0}}) {
+    for (const bool is_hidden : {false, true}) {
+      Forgery forged = after;
+      forged.stored[Forgery::key(id)] = before.stored.at(Forgery::key(id));
+      if (is_hidden) forged.hide();
+      expect_found(forged, "", GridPoint{130, 130});
+    }
+  }
+}
+
+TEST_F(ForgedDatabase, AGenerationOfTheHeaderIsFound) {
+  Forgery forged(*folder / "updated.talus");
+  Manifest m = forged.manifest();
+  m.top_generations[0] = 0;
+  forged.put(m);
+  expect_found(forged, "the header says 0", GridPoint{0, 0});
+}
+
+TEST_F(ForgedDatabase, AnEntryOfAPageBelowThatWasDroppedIsFound) {
+  Forgery forged(*folder / "a.talus");
+  Page page = forged.page({1, 0, 0});
+  page.children[9] = {};
+  forged.put(page);
+  expect_found(forged, "unknown to the page above it", GridPoint{130, 130});
+  // The page, too, and all that is said above of it.
+  forged = Forgery(*folder / "a.talus");
+  forged.stored.erase(Forgery::key({0, 1, 1}));
+  forged.hide();
+  expect_found(forged, "not stored", GridPoint{130, 130});
+}
+
+TEST_F(ForgedDatabase, AVoidBitIsFound) {
+  for (const bool was_void : {false, true}) {
+    Forgery forged(*folder / "a.talus");
+    Page page = forged.page({0, 3, 1});
+    ASSERT_FALSE(page.valid.empty());
+    const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint) { return (page.valid[i] == 0) == was_void; });
+    page.valid[index(page, p)] ^= 1;
+    forged.put(page);
+    forged.hide();
+    expect_found(forged, "", p);
+  }
+}
+
+TEST_F(ForgedDatabase, ATriangleWithDataIsFound) {
+  Forgery forged(*folder / "a.talus");
+  Page page = forged.page({0, 3, 1});
+  const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint) { return page.covers[i] == 0; });
+  page.covers[index(page, p)] = 15;
+  forged.put(page);
+  forged.hide();
+  expect_found(forged, "triangle", p);
+}
+
+TEST_F(ForgedDatabase, AFillIsFound) {
+  for (const PageId id : {PageId{0, 3, 1}, PageId{1, 0, 0}, PageId{2, 0, 0}}) {
+    SCOPED_TRACE(id.band);
+    Forgery forged(*folder / "a.talus");
+    Page page = forged.page(id);
+    ASSERT_FALSE(page.valid.empty());
+    const GridPoint p =
+        own_vertex(page, [&](std::size_t i, GridPoint) { return page.valid[i] == 0 && page.covers[i] != 0; });
+    page.heights[index(page, p)] += 1;
+    forged.put(page);
+    forged.hide();
+    expect_found(forged, "fill", p);
+  }
+}
+
+TEST_F(ForgedDatabase, APageWithAnothersContentIsFound) {
+  Forgery forged(*folder / "a.talus");
+  std::swap(forged.stored.at(Forgery::key({0, 0, 0})), forged.stored.at(Forgery::key({0, 1, 0})));
+  forged.hide();
+  expect_found(forged, "", GridPoint{0, 0});
+}
+
+TEST_F(ForgedDatabase, AHeaderThatSaysSomethingElseIsFound) {
+  const std::vector<std::pair<std::string, std::function<void(Manifest&)>>> changes{
+      {"minimum", [](Manifest& m) { m.description.minimum -= 1; }},
+      {"maximum", [](Manifest& m) { m.description.maximum += 1; }},
+      {"void samples", [](Manifest& m) { ++m.description.void_samples; }},
+      {"extent, last column", [](Manifest& m) { --m.description.extent.last.col; }},
+      {"extent, first row", [](Manifest& m) { --m.description.extent.first.row; }},
+      {"extent, last row", [](Manifest& m) { ++m.description.extent.last.row; }},
+      {"scale", [](Manifest& m) { m.description.step.scale = 2; }},
+      {"offset", [](Manifest& m) { m.description.step.offset = 1; }},
+      {"unit", [](Manifest& m) { m.description.metres_per_unit = 0.3048; }},
+      {"void weight", [](Manifest& m) { m.description.void_weight = 0.5; }},
+      {"kind", [](Manifest& m) { m.description.error_kind = ErrorKind::midpoint; }},
+      {"metric", [](Manifest& m) { m.description.error_metric = ErrorMetric::perpendicular; }},
+      {"cells", [](Manifest& m) { m.description.mapping.dx = 20; }},
+      {"generation", [](Manifest& m) { m.generation = 4; }},
+  };
+  for (const auto& [name, change] : changes) {
+    SCOPED_TRACE(name);
+    Forgery forged(*folder / "a.talus");
+    Manifest m = forged.manifest();
+    change(m);
+    forged.put(m);
+    try {
+      EXPECT_TRUE(verified(forged).is_damaged());
+    } catch (const Failure& f) {
+      EXPECT_EQ(f.cause(), Cause::corrupt) << f.what();
+    }
+  }
+}
+
+TEST_F(ForgedDatabase, CountsOfTheProvenanceAreFound) {
+  Forgery forged(*folder / "a.talus");
+  Provenance p = forged.provenance();
+  p.vertices_above[4].second += 1;
+  forged.put(p);
+  const VerifyReport report = verified(forged);
+  EXPECT_TRUE(report.is_damaged());
+  EXPECT_TRUE(report.is_rest_usable) << "no answer needs it";
+}
+
+/// What a query says of a database; empty: it refuses it.
+std::optional<std::pair<Mesh, SampleWindow>> seen(const std::filesystem::path& file) {
+  try {
+    const Snapshot now = Database::open(file).snapshot();
+    const Mesh rough = now.mesh(Metres{3});
+    return std::pair{now.mesh(Metres{0}), now.samples(now.description().extent)};
+  } catch (const Failure&) {
+    return std::nullopt;
+  }
+}
+
+TEST_F(ForgedDatabase, WhatAQueryRefusesOrAnswersOtherwiseIsNeverCalledSound) {
+  const auto whole = seen(*folder / "a.talus");
+  ASSERT_TRUE(whole);
+  const Forgery sound(*folder / "a.talus");
+  std::vector<PageKey> keys;
+  for (const auto& [key, any] : sound.stored) {
+    if (key.table >= 0 && key.table < kRecordTable) keys.push_back(key);
+  }
+  int refused = 0, otherwise = 0, missed = 0;
+  for (std::uint64_t seed = 1; seed <= 105; ++seed) {
+    Random random(seed);
+    Forgery forged = sound;
+    const PageKey key = keys[static_cast<std::size_t>(random.between(0, static_cast<int>(keys.size()) - 1))];
+    Page page = forged.page(page_at(key.table, key.position));
+    if (page.grid.size() == 0) continue;
+    const auto i = static_cast<std::size_t>(random.between(0, static_cast<int>(page.grid.size()) - 1));
+    const GridPoint p =
+        page.grid.at(static_cast<std::int32_t>(i) % page.grid.cols, static_cast<std::int32_t>(i) / page.grid.cols);
+    const int what = random.between(0, page.children.empty() ? 3 : 7);
+    if (what == 0) page.heights[i] += random.between(1, 30);
+    if (what == 1 && page.is_own(p)) page.errors[i] = static_cast<ErrorCode>(random.between(0, 3000));
+    if (what == 2 && !page.valid.empty()) page.valid[i] ^= 1;
+    if (what == 3 && !page.covers.empty() && page.is_own(p))
+      page.covers[i] = static_cast<std::uint8_t>(random.between(0, 15));
+    if (what >= 4) {
+      ChildEntry& child = page.children[static_cast<std::size_t>(random.between(0, 63))];
+      if (what == 4) child.largest = static_cast<ErrorCode>(random.between(0, 4000));
+      if (what == 5) child.generation ^= 1;
+      if (what == 6) child = {};
+      if (what == 7) child.present = !child.present;
+    }
+    forged.put(page);
+    if (random.chance(0.5)) forged.hide();
+    forged.write(*folder / "forged.talus");
+    const auto now = seen(*folder / "forged.talus");
+    const bool is_same = now && now->first.points == whole->first.points &&
+                         now->first.heights == whole->first.heights && now->first.triangles == whole->first.triangles &&
+                         now->second.values == whole->second.values && now->second.valid == whole->second.valid;
+    refused += now ? 0 : 1;
+    otherwise += now && !is_same ? 1 : 0;
+    const VerifyReport report = verify(Database::open(*folder / "forged.talus").snapshot());
+    EXPECT_TRUE(is_same || report.is_damaged()) << "seed " << seed << ", change " << what << " of " << key.table;
+    missed += report.is_damaged() || forged.stored.at(key).content == sound.stored.at(key).content ? 0 : 1;
+  }
+  std::printf("%d refused by a query, %d answered otherwise, %d changes not found\n", refused, otherwise, missed);
+  EXPECT_GT(refused + otherwise, 20);
+  EXPECT_EQ(missed, 0);
+}
+
+}  // namespace
+}  // namespace talus::support

@@ -1,0 +1,102 @@
+#include "tests/support/forged_database.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace talus::support {
+
+Forgery::Forgery(const std::filesystem::path& database) {
+  const ReadTxn txn(PageStore::open(database));
+  for (int table = kHeaderTable; table <= kRecordTable; ++table) {
+    txn.for_each(table, [&](std::uint64_t position) {
+      const auto found = txn.find({table, position});
+      stored[{table, position}] = {{found->content.begin(), found->content.end()}, found->generation};
+    });
+  }
+}
+
+Manifest Forgery::manifest() const { return decode_manifest(stored.at({kHeaderTable, kManifestPosition}).content); }
+void Forgery::put(const Manifest& manifest) { stored[{kHeaderTable, kManifestPosition}].content = encode(manifest); }
+Provenance Forgery::provenance() const {
+  return decode_provenance(stored.at({kHeaderTable, kProvenancePosition}).content);
+}
+void Forgery::put(const Provenance& provenance) {
+  stored[{kHeaderTable, kProvenancePosition}].content = encode(provenance);
+}
+
+CodeDistance Forgery::distance() const {
+  const Description d = manifest().description;
+  return {d.step, d.metres_per_unit};
+}
+
+Page Forgery::page(PageId id) const {
+  const Manifest m = manifest();
+  const CodeDistance distance(m.description.step, m.description.metres_per_unit);
+  static PageDecoder decoder;
+  Page page = decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content);
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      const std::size_t i = page.index(col, row);
+      if (page.is_own(page.grid.at(col, row))) page.errors[i] = page.error(i, distance);
+    }
+  }
+  page.eighths.clear();
+  page.distances.clear();
+  return page;
+}
+
+void Forgery::put(const Page& page) { stored[key(page.id)].content = encoded(page, distance()); }
+
+std::vector<std::byte> Forgery::encoded(const Page& page, const CodeDistance& distance) {
+  static PageEncoder encoder;  // its tables take long to make
+  return encoder.encode(page, distance);
+}
+
+TileSummary Forgery::record(int x, int y) const {
+  return decode_tile_summary(stored.at({kRecordTable, curve_position({1, x, y})}).content);
+}
+void Forgery::put(int x, int y, const TileSummary& record) {
+  stored[{kRecordTable, curve_position({1, x, y})}] = {encode(record), record.entry.generation};
+}
+
+void Forgery::hide() {
+  Manifest m = manifest();
+  std::map<PageKey, ChildEntry> entries;
+  for (int band = 0; band < m.bands; ++band) {
+    std::vector<PageId> ids;
+    for (const auto& [at, any] : stored) {
+      if (at.table == band) ids.push_back(page_at(band, at.position));
+    }
+    for (const PageId id : ids) {
+      Page told = page(id);
+      ChildEntry entry = range_of(told, m.description.step);
+      for (const ErrorCode error : told.errors) entry.largest = std::max(entry.largest, error);
+      for (std::size_t i = 0; i < told.children.size(); ++i) {
+        const auto below = entries.find(key(child_page(id, i)));
+        told.children[i] = below == entries.end() ? ChildEntry{} : below->second;
+        if (below != entries.end()) entry = joined(entry, below->second);
+      }
+      entry.generation = stored.at(key(id)).generation;
+      entries[key(id)] = entry;
+      put(told);
+      if (band == 1 && stored.contains({kRecordTable, curve_position(id)})) {
+        TileSummary summary = record(id.x, id.y);
+        summary.entry = entry;
+        put(id.x, id.y, summary);
+      }
+    }
+  }
+  m.top_generations.clear();
+  for (const PageId id : pages_of_band(m.bands - 1, m.description.extent))
+    m.top_generations.push_back(stored.at(key(id)).generation);
+  put(m);
+}
+
+void Forgery::write(const std::filesystem::path& database) const {
+  std::filesystem::remove(database);
+  PageWriter writer(database);
+  for (const auto& [at, page] : stored) writer.put(at, page.content, page.generation);
+  writer.finish();
+}
+
+}  // namespace talus::support
