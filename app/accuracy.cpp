@@ -12,6 +12,7 @@
 #include "app/commands.hpp"
 #include "app/doors.hpp"
 #include "app/follow.hpp"
+#include "app/input_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/outputs.hpp"
 #include "app/progress.hpp"
@@ -26,6 +27,7 @@ struct Request {
   std::string database;
   std::optional<std::string> bbox, tolerances, time, map;  // an empty word is none of them
   std::vector<std::string> against, outputs;
+  InputWords inputs;
   std::optional<std::int32_t> window;
   int threads = 0;
   bool json = false;
@@ -88,7 +90,7 @@ Exit run(const Request& request) {
       if (is_clipped) note(clipped_text(*request.bbox));
     }
     if (!request.against.empty()) {
-      options.truth = of_same_heights(open_truth(request.against, now.description(), request.database), request.against,
+      options.truth = of_same_heights(open_truth(request.against, request.inputs.read(), now.description(), request.database), request.against,
                                       request.database);
     }
   }
@@ -137,6 +139,7 @@ void add_accuracy(CLI::App& program, Action& action) {
                    "Without it errors are against the database's own samples, if it keeps all of them")
       ->option_text("DEM ...")
       ->check(is_named);
+  add_input_options(*command, request->inputs);
   command->add_option("--bbox", request->bbox, "Ask about this rectangle instead of the whole raster")
       ->option_text("XMIN,YMIN,XMAX,YMAX");
   command

@@ -14,9 +14,9 @@ std::string name_of(const std::vector<std::string>& against) {
   return against.size() == 1 ? against.front() : fmt::format("{} and {} more", against.front(), against.size() - 1);
 }
 
-SampleReader open_truth(const std::vector<std::string>& against, const Description& description,
-                        const std::string& database) {
-  const auto raster = std::make_shared<PlainReader>(std::vector<std::filesystem::path>{against.begin(), against.end()}, PlainRules{},
+SampleReader open_truth(const std::vector<std::string>& against, const InputOptions& inputs,
+                        const Description& description, const std::string& database) {
+  const auto raster = std::make_shared<PlainReader>(std::vector<std::filesystem::path>{against.begin(), against.end()}, inputs,
                                                     description, database);
   const GridRect ours = description.extent, theirs = raster->extent();
   if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {

@@ -10,6 +10,7 @@
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/doors.hpp"
+#include "app/input_options.hpp"
 #include "app/progress.hpp"
 #include "app/report.hpp"
 #include "app/truth.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct Request {
   std::string database, tolerance;
   std::vector<std::string> against;
+  InputWords inputs;
   bool json = false;
 };
 
@@ -59,7 +61,7 @@ Checked check(const Request& request, std::optional<Metres> tolerance) {
   VerifyOptions options;
   options.tolerance = tolerance;
   options.progress = [&](double fraction, const char* stage) { progress.show(fraction, stage); };
-  if (!request.against.empty()) options.truth = open_truth(request.against, made.description, request.database);
+  if (!request.against.empty()) options.truth = open_truth(request.against, request.inputs.read(), made.description, request.database);
   made.report = verify(now, options);
   return made;
 }
@@ -230,6 +232,7 @@ void add_verify(CLI::App& program, Action& action) {
   command->add_option("--against", request->against, "What the database was made from: rasters, folders, @LIST.txt")
       ->option_text("DEM")
       ->check(is_named);
+  add_input_options(*command, request->inputs);
   command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")
       ->option_text("M");
   command->add_flag("--json", request->json, "Print one JSON object");
@@ -240,8 +243,8 @@ void add_verify(CLI::App& program, Action& action) {
       "It goes on after the first damage, lists the damaged rectangles, and says what to do.\n"
       "\n"
       "With --against also every stored sample against the raster, bit for bit, or within what --height-step of\n"
-      "ingest rounded. The raster is read by other code than ingest's. With --tolerance also the true error, in\n"
-      "metres, of that answer: its mesh laid over every sample.\n"
+      "ingest rounded. The raster is read by other code than ingest's; name the options for inputs that ingest had.\n"
+      "With --tolerance also the true error, in metres, of that answer: its mesh laid over every sample.\n"
       "\n"
       "Exit code 3: damaged. 5: sound, but it differs from its source, or a surface lies beyond its bound.\n"
       "\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");

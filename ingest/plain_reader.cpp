@@ -27,8 +27,9 @@ struct Placed {
   std::filesystem::path file;
   int cols = 0, rows = 0;
   GridPoint first{};  ///< where the cell (0, 0) of the file stands
-  std::int32_t east = 1,
-               south = 1;  ///< steps of columns and rows on the database's grid: −1 where the file runs the other way
+  /// Steps of columns and rows on the database's grid: −1 where the file runs the other way.
+  std::int32_t east = 1, south = 1;
+  double cell_area = 1;  ///< of the database's cells
   [[nodiscard]] GridRect place() const {
     const GridPoint last{first.col + east * (cols - 1), first.row + south * (rows - 1)};
     return {{std::min(first.col, last.col), std::min(first.row, last.row)},
@@ -38,7 +39,8 @@ struct Placed {
 
 /// The CRS a dataset states, as text; empty where it states none.
 std::string crs_of(GDALDatasetH dataset) {
-  const OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+  if (crs == nullptr && GDALGetGCPCount(dataset) > 0) crs = GDALGetGCPSpatialRef(dataset);
   if (crs == nullptr) return "";
   CPLStringList options;
   options.SetNameValue("FORMAT", "WKT2_2019");
@@ -59,8 +61,10 @@ bool is_geographic(const std::string& wkt) {
 }  // namespace
 
 struct PlainReader::Opened {
-  PlainRules rules;
+  InputOptions rules;
   std::vector<Placed> inputs;
+  std::int32_t turn = 0;  ///< columns of a full turn; 0: longitudes do not matter
+  GridRect extent{{0, 0}, {-1, -1}};
   mutable std::list<std::pair<std::size_t, DatasetOwner>> open;  ///< last used first
 
   [[nodiscard]] GDALDatasetH dataset(std::size_t input) const {
@@ -69,7 +73,7 @@ struct PlainReader::Opened {
       open.splice(open.begin(), open, at);
       return open.front().second.get();
     }
-    AdmittedRaster raster = admit_raster(inputs[input].file, rules.allow_drivers);
+    AdmittedRaster raster = admit_raster(inputs[input].file, rules);
     if (!raster.dataset)
       throw Failure(Cause::io, fmt::format("cannot open {}", inputs[input].file.string()), inputs[input].file);
     open.emplace_front(input, std::move(raster.dataset));
@@ -86,10 +90,24 @@ struct PlainReader::Opened {
     throw Failure(Cause::invalid_argument, fmt::format("{} has no band of heights", file.string()), file);
   }
 
-  void lay(std::size_t input, SampleWindow& window) const;
+  /// The input's cells that lie `moved` columns further east than it does itself.
+  void lay(std::size_t input, std::int32_t moved, SampleWindow& window) const;
 };
 
 namespace {
+
+/// The codes' own formulas.
+double height_of_colours(ColourCode code, double red, double green, double blue) {
+  if (code == ColourCode::terrarium) return red * 256 + green + blue / 256 - 32768;
+  return -10000 + (red * 256 * 256 + green * 256 + blue) * 0.1;
+}
+
+/// Where the control points of a raster put its corner and cells, if they are at the corners of a grid; else nothing changes.
+void take_control_points(GDALDatasetH set, std::array<double, 6>& t) {
+  std::array<double, 6> found{};
+  const int count = GDALGetGCPCount(set);
+  if (count > 0 && GDALGCPsToGeoTransform(count, GDALGetGCPs(set), found.data(), FALSE) != 0) t = found;
+}
 
 template <class T>
 void read_row(GDALRasterBandH band, int first, int row, int cols, GDALDataType type, T* to,
@@ -100,8 +118,9 @@ void read_row(GDALRasterBandH band, int first, int row, int cols, GDALDataType t
 
 }  // namespace
 
-void PlainReader::Opened::lay(std::size_t input, SampleWindow& window) const {
-  const Placed& in = inputs[input];
+void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindow& window) const {
+  Placed in = inputs[input];
+  in.first.col += moved;
   const GridRect place = in.place(), &part = window.region;
   const GridRect common{{std::max(place.first.col, part.first.col), std::max(place.first.row, part.first.row)},
                         {std::min(place.last.col, part.last.col), std::min(place.last.row, part.last.row)}};
@@ -109,17 +128,32 @@ void PlainReader::Opened::lay(std::size_t input, SampleWindow& window) const {
   const GdalScope gdal;
   const GDALDatasetH set = dataset(input);
   const GDALRasterBandH heights = band(set, in.file);
-  const bool is_masked = (GDALGetMaskFlags(heights) & GMF_ALL_VALID) == 0;
+  const bool is_masked = (GDALGetMaskFlags(heights) & (GMF_ALL_VALID | GMF_ALPHA)) == 0;  // alpha is looked at below
   const GDALRasterBandH mask = GDALGetMaskBand(heights);
   std::vector<GDALRasterBandH> alphas;
   for (int i = 1; i <= GDALGetRasterCount(set); ++i) {
     if (GDALGetRasterColorInterpretation(GDALGetRasterBand(set, i)) == GCI_AlphaBand)
       alphas.push_back(GDALGetRasterBand(set, i));
   }
-  int has_scale = 0, has_offset = 0;
+  int has_scale = 0, has_offset = 0, has_nodata = 0;
   const double stated_scale = GDALGetRasterScale(heights, &has_scale),
                stated_offset = GDALGetRasterOffset(heights, &has_offset);
-  const double scale = has_scale != 0 ? stated_scale : 1, offset = has_offset != 0 ? stated_offset : 0;
+  const bool is_coded = rules.decode != ColourCode::none;
+  const double scale = has_scale != 0 && !is_coded ? stated_scale : 1, offset = has_offset != 0 && !is_coded ? stated_offset : 0;
+  const double nodata = GDALGetRasterNoDataValue(heights, &has_nodata);
+  std::vector<double> said_voids;
+  if (has_nodata == 0 || is_coded) said_voids = rules.nodata;
+  const double apart = rules.decode == ColourCode::terrarium ? 1.0 / 512 : is_coded ? 0.05 : 0;  // half a step of the code
+  // Headers round the lowest float; beyond this nothing is a height.
+  constexpr double kHuge = 1e30;
+  const auto is_void_number = [&](double number) {
+    if (has_nodata != 0 && !is_coded) {
+      const bool is_same = GDALGetRasterDataType(heights) == GDT_Float32 ? static_cast<float>(number) == static_cast<float>(nodata)
+                                                                         : number == nodata;
+      if (is_same || (std::abs(nodata) > kHuge && std::abs(number) > kHuge && std::signbit(number) == std::signbit(nodata))) return true;
+    }
+    return std::any_of(said_voids.begin(), said_voids.end(), [&](double said) { return std::abs(number - said) <= apart; });
+  };
 
   const int first = in.east > 0 ? common.first.col - in.first.col : in.first.col - common.last.col;
   const int cols = static_cast<int>(common.cols());
@@ -129,10 +163,15 @@ void PlainReader::Opened::lay(std::size_t input, SampleWindow& window) const {
   for (std::int32_t row = common.first.row; row <= common.last.row; ++row) {
     const int file_row = (row - in.first.row) * in.south;
     read_row(heights, first, file_row, cols, GDT_Float64, numbers.data(), in.file, gdal);
+    if (is_coded) {
+      std::vector<double> green(numbers.size()), blue(numbers.size());
+      read_row(GDALGetRasterBand(set, 2), first, file_row, cols, GDT_Float64, green.data(), in.file, gdal);
+      read_row(GDALGetRasterBand(set, 3), first, file_row, cols, GDT_Float64, blue.data(), in.file, gdal);
+      for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = height_of_colours(rules.decode, numbers[i], green[i], blue[i]);
+    }
     if (is_masked) read_row(mask, first, file_row, cols, GDT_Byte, masks.data(), in.file, gdal);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      is_void[i] = masks[i] == 0 || std::isnan(numbers[i]) ||
-                   std::find(rules.nodata.begin(), rules.nodata.end(), numbers[i]) != rules.nodata.end();
+      is_void[i] = masks[i] == 0 || std::isnan(numbers[i]) || is_void_number(numbers[i]);
     }
     for (const GDALRasterBandH band : alphas) {
       read_row(band, first, file_row, cols, GDT_Float64, alpha.data(), in.file, gdal);
@@ -149,14 +188,14 @@ void PlainReader::Opened::lay(std::size_t input, SampleWindow& window) const {
   }
 }
 
-PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const PlainRules& rules,
+PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const InputOptions& rules,
                          const Description& database, const std::string& database_name)
     : opened_(std::make_unique<Opened>()) {
   opened_->rules = rules;
-  const std::vector<std::filesystem::path> files = list_inputs(named, rules.allow_drivers).files;
+  const std::vector<std::filesystem::path> files = list_inputs(named, rules).files;
   const GridMapping& m = database.mapping;
   for (const std::filesystem::path& file : files) {
-    const AdmittedRaster raster = admit_raster(file, rules.allow_drivers);
+    const AdmittedRaster raster = admit_raster(file, rules);
     if (!raster.dataset) throw Failure(Cause::io, fmt::format("cannot open {}", file.string()), file);
     const GdalScope gdal;
     const GDALDatasetH set = raster.dataset.get();
@@ -164,19 +203,23 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
       throw Failure(Cause::invalid_argument,
                     fmt::format("{} {}: not the raster this database was made from", file.string(), what), file);
     };
-    if (!same_crs(database.crs_wkt, crs_of(set)))
+    if (rules.srs.empty() && !same_crs(database.crs_wkt, crs_of(set)))
       refuse(fmt::format("has another CRS than {}, or one of them has none", database_name));
     Placed placed;
     placed.file = file;
     placed.cols = GDALGetRasterXSize(set);
     placed.rows = GDALGetRasterYSize(set);
     std::array<double, 6> t{};
-    if (GDALGetGeoTransform(set, t.data()) != CE_None) t = {0, 1, 0, 0, 0, -1};
+    if (GDALGetGeoTransform(set, t.data()) != CE_None || t == std::array<double, 6>{0, 1, 0, 0, 0, 1}) {
+      t = {0, 1, 0, 0, 0, -1};  // counted from the corner, downwards
+      take_control_points(set, t);
+    }
     if (t[2] != 0 || t[4] != 0)
       refuse(
           fmt::format("is rotated against the grid of {}, so it was resampled; verify compares samples "
                       "with rasters on that grid only",
                       database_name));
+    placed.cell_area = std::abs(t[1] / m.dx * t[5] / m.dy);
     placed.east = t[1] < 0 ? -1 : 1;
     placed.south = t[5] > 0 ? -1 : 1;
     const double col = (t[0] + t[1] / 2 - m.x0) / m.dx, row = (t[3] + t[5] / 2 - m.y0) / m.dy;
@@ -193,16 +236,34 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
     placed.first = {static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
     opened_->inputs.push_back(placed);
   }
-  // Longitudes may be written a full turn away.
   const double turn = is_geographic(database.crs_wkt) ? std::nearbyint(360 / m.dx) : 0;
-  if (!(turn >= 1 && turn < 1e9) || std::abs(turn * m.dx - 360) > kOnTheGrid * m.dx) return;
-  const auto columns = static_cast<std::int32_t>(turn);
+  if (turn >= 1 && turn < 1e9 && std::abs(turn * m.dx - 360) <= kOnTheGrid * m.dx) opened_->turn = static_cast<std::int32_t>(turn);
+  if (rules.priority_resolution) {  // the one with smaller cells on top; on one grid they hardly differ
+    std::stable_sort(opened_->inputs.begin(), opened_->inputs.end(),
+                     [](const Placed& a, const Placed& b) { return a.cell_area > b.cell_area * (1 + 1e-3); });
+  }
+  settle_extent(database.extent);
+}
+
+/// Longitudes may be written a full turn away: each input is taken where it meets the database, and the rest of it around it.
+void PlainReader::settle_extent(GridRect database) {
+  GridRect& all = opened_->extent;
   for (Placed& placed : opened_->inputs) {
-    const auto middle = [&] { return (std::int64_t{placed.place().first.col} + placed.place().last.col) / 2; };
-    if (placed.place().last.col < database.extent.first.col && middle() + columns <= database.extent.last.col)
-      placed.first.col += columns;
-    if (placed.place().first.col > database.extent.last.col && middle() - columns >= database.extent.first.col)
-      placed.first.col -= columns;
+    for (std::int32_t moved : {0, opened_->turn, -opened_->turn}) {
+      GridRect one = placed.place();
+      one.first.col += moved, one.last.col += moved;
+      if (one.first.col > database.last.col || one.last.col < database.first.col) continue;
+      placed.first.col += moved;
+      break;
+    }
+    const GridRect one = placed.place();
+    if (all.cols() < 1) all = one;
+    all = {{std::min(all.first.col, one.first.col), std::min(all.first.row, one.first.row)},
+           {std::max(all.last.col, one.last.col), std::max(all.last.row, one.last.row)}};
+  }
+  if (opened_->turn > 0 && all.cols() > opened_->turn + 1) {  // a raster may repeat its first column at its end
+    all.first.col = database.first.col;
+    all.last.col = std::max(database.first.col + opened_->turn - 1, std::min(all.last.col, database.last.col));
   }
 }
 
@@ -210,22 +271,19 @@ PlainReader::~PlainReader() = default;
 PlainReader::PlainReader(PlainReader&&) noexcept = default;
 PlainReader& PlainReader::operator=(PlainReader&&) noexcept = default;
 
-GridRect PlainReader::extent() const {
-  GridRect all = opened_->inputs.front().place();
-  for (const Placed& placed : opened_->inputs) {
-    const GridRect one = placed.place();
-    all = {{std::min(all.first.col, one.first.col), std::min(all.first.row, one.first.row)},
-           {std::max(all.last.col, one.last.col), std::max(all.last.row, one.last.row)}};
-  }
-  return all;
-}
+GridRect PlainReader::extent() const { return opened_->extent; }
 
 SampleWindow PlainReader::read(GridRect part) const {
   SampleWindow window;
   window.region = part;
   window.values.assign(static_cast<std::size_t>(part.samples()), 0);
   window.valid.assign(window.values.size(), 0);
-  for (std::size_t i = 0; i < opened_->inputs.size(); ++i) opened_->lay(i, window);
+  for (std::size_t i = 0; i < opened_->inputs.size(); ++i) {
+    opened_->lay(i, 0, window);
+    if (opened_->turn == 0 || opened_->extent.cols() < opened_->turn) continue;
+    opened_->lay(i, opened_->turn, window);
+    opened_->lay(i, -opened_->turn, window);
+  }
   return window;
 }
 

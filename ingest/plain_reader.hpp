@@ -13,28 +13,21 @@
 
 namespace talus {
 
-/// What was said of the inputs from outside.
-struct PlainRules {
-  std::vector<std::string> allow_drivers;  ///< as InputOptions::allow_drivers
-  int band = 0;                            ///< the one with heights; 0: the first that is not alpha
-  std::vector<double> nodata;              ///< raw numbers that mean void, beyond those that files declare
-};
-
-/// Inputs on a database's grid. A cell is void where its band's mask says so, where any alpha band is 0, or where it is
-/// NaN or one of the rules' numbers. Its height is number · scale + offset. A later input covers an earlier one; a void
-/// covers nothing.
+/// Inputs on a database's grid. A cell is void where its band's mask says so, where any alpha band is 0, where it is NaN or,
+/// in a band that declares no void value, one of InputOptions::nodata. Its height is number · scale + offset, or what
+/// InputOptions::decode makes of its colours. A later input covers an earlier one; a void covers nothing. Longitudes that
+/// are a full turn apart are the same.
 class PlainReader {
  public:
-  /// fails  as list_inputs and admit_raster; invalid_argument: an input that is not on the database's grid, for
-  /// instance
+  /// fails  as list_inputs and admit_raster; invalid_argument: an input that is not on the database's grid, for instance
   ///        because it was resampled, or that is in another CRS; io
-  PlainReader(const std::vector<std::filesystem::path>& inputs, const PlainRules& rules, const Description& database,
+  PlainReader(const std::vector<std::filesystem::path>& inputs, const InputOptions& rules, const Description& database,
               const std::string& database_name);
   ~PlainReader();
   PlainReader(PlainReader&&) noexcept;
   PlainReader& operator=(PlainReader&&) noexcept;
 
-  /// All samples of all inputs, in the database's columns and rows.
+  /// All samples of all inputs, in the database's columns and rows; no more columns than a full turn has.
   [[nodiscard]] GridRect extent() const;
   /// fails  io: a file that cannot be read
   /// cost   one row of a file at a time
@@ -42,6 +35,7 @@ class PlainReader {
 
  private:
   struct Opened;
+  void settle_extent(GridRect database);
   std::unique_ptr<Opened> opened_;
 };
 

@@ -49,7 +49,7 @@ class PlainReading : public ::testing::Test {
     values[cell] = 0;
     return values;
   }
-  [[nodiscard]] SampleWindow read(const std::vector<std::filesystem::path>& files, const PlainRules& rules = {}) const {
+  [[nodiscard]] SampleWindow read(const std::vector<std::filesystem::path>& files, const InputOptions& rules = {}) const {
     const PlainReader reader(files, rules, description, "a.talus");
     return reader.read(reader.extent());
   }
@@ -128,7 +128,7 @@ TEST_F(PlainReading, WhatGdalMasksIsVoid) {
   expect_only_void(read({folder / "c.tif"}), 9);
   set = create("d.tif", {});
   GDALClose(set);
-  PlainRules rules;
+  InputOptions rules;
   rules.nodata = {10};
   expect_only_void(read({folder / "d.tif"}, rules), 9);
 }
