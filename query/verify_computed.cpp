@@ -217,8 +217,8 @@ class TileChecks {
     const auto hold = [&]<class T>(T) {
       std::vector<T> codes(codes_.size());
       for (std::size_t i = 0; i < codes.size(); ++i) {
-        const double limit = static_cast<double>(std::numeric_limits<T>::max());
-        if (!(std::abs(codes_[i]) <= limit)) return false;
+        constexpr double kLowest = std::numeric_limits<T>::lowest(), kHighest = std::numeric_limits<T>::max();
+        if (!(codes_[i] >= kLowest && codes_[i] <= kHighest)) return false;
         codes[i] = static_cast<T>(codes_[i]);
         if (static_cast<double>(codes[i]) != codes_[i]) return false;
       }
