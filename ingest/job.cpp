@@ -282,6 +282,8 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   return job;
 }
 
+void tell_of(const Job& job, const char* stage) { Teller(job, 0).rest(stage, 0); }
+
 IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
   IngestEstimate sum;
   sum.description = job.description;
