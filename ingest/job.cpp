@@ -25,6 +25,7 @@ class Teller {
  public:
   Teller(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
 
+  void beginning(const char* stage) { say(stage, 0, 0); }
   void tiles(std::uint64_t samples) { tell(samples, "tiles", kTileShare); }
   void rest(const char* stage, double fraction) { say(stage, fraction, all()); }
 
@@ -282,7 +283,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   return job;
 }
 
-void tell_of(const Job& job, const char* stage) { Teller(job, 0).rest(stage, 0); }
+void tell_of(const Job& job, const char* stage) { Teller(job, 0).beginning(stage); }
 
 IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
   IngestEstimate sum;
