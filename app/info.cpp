@@ -2,6 +2,8 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -39,6 +41,15 @@ std::string errors_text(const Description& d) {
   return d.error_kind == ErrorKind::midpoint ? text + ": no answer keeps a bound" : text;
 }
 
+/// Vertices above tolerances. Earlier versions kept the list of each generation, the latest at the end.
+std::vector<std::pair<double, std::uint64_t>> latest_counts(const Provenance& p) {
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < p.vertices_above.size(); ++i) {
+    if (p.vertices_above[i].first <= p.vertices_above[i - 1].first) first = i;
+  }
+  return {p.vertices_above.begin() + static_cast<std::ptrdiff_t>(first), p.vertices_above.end()};
+}
+
 Json to_json(const Request& request, const Description& d, const StorageSummary& s, const Provenance& p) {
   Json sources = Json::array();
   for (const SourceFile& f : p.sources) {
@@ -51,7 +62,7 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
                        {"xxh3", fmt::format("{:016x}", f.checksum)}});
   }
   Json above = Json::array();
-  for (const auto& [tolerance, vertices] : p.vertices_above)
+  for (const auto& [tolerance, vertices] : latest_counts(p))
     above.push_back({{"tolerance", tolerance}, {"vertices", vertices}});
   Json bands = Json::array();
   for (const BandSummary& band : s.bands) {
@@ -92,7 +103,7 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
 /// What is worth a line: rungs that select not all and not nothing.
 std::string above_text(const Provenance& p) {
   std::string text;
-  for (const auto& [tolerance, vertices] : p.vertices_above) {
+  for (const auto& [tolerance, vertices] : latest_counts(p)) {
     if (vertices < 16 || tolerance < 0.1) continue;
     text += fmt::format("{}{} m: {}", text.empty() ? "" : ", ", tolerance, counted(vertices));
   }

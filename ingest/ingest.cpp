@@ -69,17 +69,13 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
                     : options.overwrite ? PartFile::Left::replace
                                         : PartFile::Left::refuse;
   PartFile part(database, options.overwrite, left);
-  const auto tell = [&] {
-    if (options.progress) options.progress({0, "checksums of the inputs"});
-  };
+  const auto tell = [&] { tell_of(job, "checksums of the inputs"); };
   const LeftWork left_before = part.left().value_or(LeftWork{});
   InputFiles files(source, files_of(left_before.plan), tell);
   const std::string plan = plan_of(source, files, job.description, options);
   if (part.left()) {
     require_same_work(left_before, plan, source, files, options, part.path());
-    verify_left_work(part.path(), job.description, [&] {
-      if (options.progress) options.progress({0, "checking what was left"});
-    });
+    verify_left_work(part.path(), job.description, [&] { tell_of(job, "checking what was left"); });
   }
   job.files = &files;
   std::optional<PageWriter> writer(std::in_place, part.path());

@@ -25,6 +25,7 @@ class Teller {
  public:
   Teller(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
 
+  void beginning(const char* stage) { say(stage, 0, 0); }
   void tiles(std::uint64_t samples) { tell(samples, "tiles", kTileShare); }
   void rest(const char* stage, double fraction) { say(stage, fraction, all()); }
 
@@ -282,6 +283,8 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code, block_bytes);
   return job;
 }
+
+void tell_of(const Job& job, const char* stage) { Teller(job, 0).beginning(stage); }
 
 IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
   IngestEstimate sum;

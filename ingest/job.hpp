@@ -36,6 +36,9 @@ struct Job {
 [[nodiscard]] Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
                          const IngestOptions& options);
 
+/// Tells, before the first tile, what is being done.
+void tell_of(const Job& job, const char* stage);
+
 /// Settles a few of the tiles that are wanted, keeps nothing and tells what all would take.
 [[nodiscard]] IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted);
 

@@ -94,9 +94,7 @@ struct Updating {
   /// Finds out what changes; a pass over the new samples and the old ones beneath them.
   void compare(const Job& job) {
     const RasterCache cache(job.budget.gdal_cache_bytes);
-    changes = changes_by(base, source, kind, job.budget.tiles_across, [&] {
-      if (options.progress) options.progress({0, "comparing with the database"});
-    });
+    changes = changes_by(base, source, kind, job.budget.tiles_across, [&] { tell_of(job, "comparing with the database"); });
   }
   [[nodiscard]] bool changes_nothing() const { return changes.sum.samples == 0 && description.extent == before.extent; }
 
@@ -134,9 +132,7 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
   Updating work(inputs, part.target(), asked);
   part.require_database_unchanged();  // it is the one that was checked
   Job job = work.job();
-  const auto tell = [&] {
-    if (asked.progress) asked.progress({0, "checksums of the inputs"});
-  };
+  const auto tell = [&] { tell_of(job, "checksums of the inputs"); };
   InputFiles files(work.source, {}, tell);
   work.compare(job);
   job.files = &files;

@@ -17,9 +17,9 @@ class ChangedSource : public Command {
   Outcome until_a_tile_is_done(const std::string& input, const std::string& what) const {
     RunOptions options;
     options.folder = folder.path().string();
-    const std::string start = std::string(TALUS_PROGRAM) + " ingest " + input +
+    const std::string start = "rm -f said; " + std::string(TALUS_PROGRAM) + " ingest " + input +
                               " a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
-                              "while ! grep -q '\"samples\":[1-9]' said; do sleep 0.005; done; ";
+                              "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; ";
     const Outcome outcome = run_program({"sh", "-c", start + what + "; wait $!"}, options);
     return outcome;
   }

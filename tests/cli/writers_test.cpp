@@ -130,9 +130,9 @@ TEST_F(Writers, RatesAfterResumeCountWhatWasDoneNow) {
   make_raster("base.tif");
   RunOptions options;
   options.folder = folder.path().string();
-  const std::string start = std::string(TALUS_PROGRAM) +
+  const std::string start = "rm -f said; " + std::string(TALUS_PROGRAM) +
                             " ingest base.tif a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
-                            "while ! grep -q '\"samples\":[1-9]' said; do sleep 0.005; done; kill -INT $!; wait $!";
+                            "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; kill -INT $!; wait $!";
   for (int again = 0; again < 20 && run_program({"sh", "-c", start}, options).exit_code != 130; ++again)
     fs::remove(folder / "a.talus");
   ASSERT_TRUE(fs::exists(folder / "a.talus.part"));
@@ -331,9 +331,9 @@ TEST_F(Writers, APartFileOfAKilledUpdateIsTakenForNothingElse) {
   options.folder = folder.path().string();
   int left = 0, refused = 0;
   for (int i = 0; i < 12; ++i) {
-    const std::string start = std::string(TALUS_PROGRAM) +
+    const std::string start = "rm -f said; " + std::string(TALUS_PROGRAM) +
                               " ingest --update b.tif a.talus --threads 1 --progress=json 2>said & "
-                              "while ! grep -q '\"samples\":[1-9]' said; do sleep 0.002; done; sleep 0.0" +
+                              "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.002; done; sleep 0.0" +
                               std::to_string(i % 6) + "; kill -KILL $!; wait $!";
     run_program({"sh", "-c", start}, options);
     if (bytes_of(folder / "a.talus") != before) {  // it was done before it was killed
@@ -369,9 +369,9 @@ TEST_F(Writers, ADamagedPartFileIsNeverResumedToAWrongDatabase) {
   const auto whole = pages_of(folder / "whole.talus");
   RunOptions options;
   options.folder = folder.path().string();
-  const std::string start = std::string(TALUS_PROGRAM) +
+  const std::string start = "rm -f said; " + std::string(TALUS_PROGRAM) +
                             " ingest base.tif a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
-                            "while ! grep -q '\"samples\":[1-9]' said; do sleep 0.005; done; kill -INT $!; wait $!";
+                            "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; kill -INT $!; wait $!";
   for (int again = 0; again < 20 && run_program({"sh", "-c", start}, options).exit_code != 130; ++again)
     fs::remove(folder / "a.talus");
   const std::string part = bytes_of(folder / "a.talus.part");
