@@ -91,11 +91,12 @@ void require_room(const StreamHeader& h, const StreamLimits& limits) {
   const std::uint64_t bytes = words * 12;  // bits and ranks
   if (bytes > limits.mask_bytes) {
     throw Failure(Cause::unsupported,
-                  fmt::format("a region of {} x {} samples needs a mask of {} bytes, {} are allowed", window.cols(),
-                              window.rows(), bytes, limits.mask_bytes));
+                  fmt::format("a region of {} x {} samples needs a mask of {} bytes, and StreamLimits allow {}: the stream "
+                              "is damaged or forged, or very coarse; ask for a smaller region",
+                              window.cols(), window.rows(), bytes, limits.mask_bytes));
   }
   if (h.vertices > limits.vertices) {
-    throw Failure(Cause::unsupported, fmt::format("a stream of {} vertices, {} are allowed", h.vertices, limits.vertices));
+    throw Failure(Cause::unsupported, fmt::format("a stream of {} vertices, and StreamLimits allow {}", h.vertices, limits.vertices));
   }
 }
 

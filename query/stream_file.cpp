@@ -89,10 +89,21 @@ auto of_file(const std::filesystem::path& file, Work&& work) {
   }
 }
 
+/// What a file of so many bytes may take.
+StreamLimits limits_of(StreamLimits limits, std::uint64_t bytes) {
+  constexpr std::uint64_t kAnyMask = std::uint64_t{64} << 20, kAnyVertices = 1'000'000;
+  const auto times = [](std::uint64_t a, std::uint64_t b) { return b != 0 && a > ~std::uint64_t{0} / b ? ~std::uint64_t{0} : a * b; };
+  limits.mask_bytes = std::min(limits.mask_bytes, std::max(kAnyMask, times(limits.mask_bytes_a_byte, bytes)));
+  limits.vertices = std::min(limits.vertices, std::max(kAnyVertices, times(limits.vertices_a_byte, bytes)));
+  return limits;
+}
+
 }  // namespace
 
 Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits, const RestrictedQuadtree* base, int threads) {
-  return of_file(file, [&](std::span<const std::byte> bytes) { return decode_stream(bytes, limits, base, threads); });
+  return of_file(file, [&](std::span<const std::byte> bytes) {
+    return decode_stream(bytes, base != nullptr ? limits : limits_of(limits, bytes.size()), base, threads);
+  });
 }
 
 StreamInfo read_stream_info(const std::filesystem::path& file, const StreamLimits& limits) {

@@ -37,11 +37,16 @@ struct StreamOptions {
   int bands = 0;
 };
 
+/// What a stream may take to read. Its header says how large it will be, and anybody may have written that.
 struct StreamLimits {
-  /// Of the vertex mask of what is read: one bit a sample of the region, however few vertices stand in it.
+  /// Most bytes of the vertex mask: one and a half bits a sample of the region, however few vertices stand in it. Reading takes
+  /// up to three times as much.
   std::uint64_t mask_bytes = std::uint64_t{1} << 30;
-  /// Of what is read: a few bytes may stand for many.
+  /// Most vertices: a few bytes may stand for many.
   std::uint64_t vertices = std::uint64_t{1} << 30;
+  /// The same for each byte of a file that is read as a whole and is no increment, whose region its base bounds. A file of any
+  /// size may take 64 MiB and a million vertices. Real answers, coarse ones of whole countries too, need a quarter of this.
+  std::uint64_t mask_bytes_a_byte = 8192, vertices_a_byte = 1024;
 };
 
 /// Written beside `file`, then renamed.

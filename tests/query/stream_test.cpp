@@ -269,7 +269,7 @@ TEST(Streams, WithALargerMaskThanAllowedAreRefusedBeforeItIsMade) {
     ADD_FAILURE();
   } catch (const Failure& f) {
     EXPECT_EQ(f.cause(), Cause::unsupported);
-    EXPECT_THAT(f.what(), ::testing::HasSubstr("100 are allowed"));
+    EXPECT_THAT(f.what(), ::testing::HasSubstr("StreamLimits allow 100"));
   }
 }
 
@@ -281,7 +281,31 @@ TEST(Streams, OfMoreVerticesThanAllowedAreRefused) {
     ADD_FAILURE();
   } catch (const Failure& f) {
     EXPECT_EQ(f.cause(), Cause::unsupported);
-    EXPECT_THAT(f.what(), ::testing::HasSubstr("10 are allowed"));
+    EXPECT_THAT(f.what(), ::testing::HasSubstr("StreamLimits allow 10"));
+  }
+}
+
+TEST(Streams, AFileOfAFewBytesMayNotPromiseAnyNumberOfVertices) {
+  Bytes bytes = examples().front().bytes;
+  const StreamInfo info = stream_info(bytes);
+  ASSERT_GT(info.vertices, 3u);
+  std::uint32_t header = 0;
+  std::memcpy(&header, &bytes[12], 4);
+  std::size_t at = 0;  // where the header says how many there are
+  for (std::size_t i = 88; i + 8 < header && at == 0; ++i) at = std::memcmp(&bytes[i], &info.vertices, 8) == 0 ? i : 0;
+  ASSERT_NE(at, 0u);
+  const std::uint64_t promised = std::uint64_t{1} << 29;
+  std::memcpy(&bytes[at], &promised, 8);
+  reseal(bytes);
+  const TempFolder folder;
+  std::ofstream(folder / "forged.rqt", std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  try {
+    static_cast<void>(read_stream(folder / "forged.rqt"));
+    ADD_FAILURE();
+  } catch (const Failure& f) {
+    EXPECT_EQ(f.cause(), Cause::unsupported);
+    EXPECT_THAT(f.what(), ::testing::HasSubstr("StreamLimits allow"));
+    EXPECT_EQ(f.file(), folder / "forged.rqt");
   }
 }
 
