@@ -535,7 +535,9 @@ SeamReport Source::seams() const {
 }
 
 std::vector<std::string> Source::doubts(double minimum, double maximum) const {
-  return void_doubts(minimum, maximum, reader_->zero_edges, plan_->description.vertical_unit);
+  const bool all_declare = std::all_of(plan_->rasters.begin(), plan_->rasters.end(),
+                                       [](const RasterFacts& raster) { return raster.nodata.has_value(); });
+  return void_doubts(minimum, maximum, reader_->zero_edges, plan_->description.vertical_unit, all_declare);
 }
 
 SeamReport joined(const SeamReport& a, const SeamReport& b) {

@@ -53,19 +53,24 @@ void count_zero_edges(const Window& window, GridRect own, double metres_per_code
       window.codes);
 }
 
-std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges, const std::string& unit) {
+std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges, const std::string& unit,
+                                     bool all_declare) {
   std::vector<std::string> doubts;
+  const auto remedy = [&](double value) {
+    return all_declare ? fmt::format("declare it in the files, which state another void value (gdal_translate -a_nodata {}), and "
+                                     "ingest again",
+                                     value)
+                       : fmt::format("ingest again with InputOptions::nodata {}", value);
+  };
   const auto doubt = [&](const char* which, double value) {
-    doubts.push_back(fmt::format("the {} height is {} {}, which often means no data; if it does, ingest again with "
-                                 "InputOptions::nodata {}",
-                                 which, value, unit, value));
+    doubts.push_back(fmt::format("the {} height is {} {}, which often means no data; if it does, {}", which, value, unit, remedy(value)));
   };
   if (is_one_of(minimum, kLowest)) doubt("lowest", minimum);
   if (is_one_of(maximum, kHighest)) doubt("highest", maximum);
   if (minimum == 0 && edges.all >= kFewest && 2 * edges.steep >= edges.all) {
     doubts.push_back(fmt::format("the lowest height is 0, and beside it the ground mostly lies {} m and more higher; if 0 means "
-                                 "no data, ingest again with InputOptions::nodata 0",
-                                 kSteep));
+                                 "no data, {}",
+                                 kSteep, remedy(0)));
   }
   return doubts;
 }

@@ -18,6 +18,9 @@ struct ZeroEdges {
 void count_zero_edges(const Window& window, GridRect own, double metres_per_code, ZeroEdges& edges);
 
 /// Sentences; none where nothing is doubtful. Heights in the vertical unit.
-[[nodiscard]] std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges, const std::string& unit);
+///
+/// all_declare  every input declares a void value, so that InputOptions::nodata is for none of them
+[[nodiscard]] std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges, const std::string& unit,
+                                                   bool all_declare);
 
 }  // namespace talus

@@ -174,7 +174,7 @@ TEST_F(Accuracy, ADatabaseOfATolerancesVerticesNeedsTheRasterForErrors) {
   ASSERT_EQ(talus({"ingest", "a.tif", "b.talus", "--tolerance", "5"}).exit_code, done);
   const Outcome outcome = talus({"accuracy", "b.talus", "-o", "r.html", "-o", "r.svg"});
   EXPECT_EQ(outcome.exit_code, done) << outcome.err;
-  EXPECT_THAT(outcome.out, ::testing::HasSubstr("without --against"));
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("without --against"));
   EXPECT_THAT(outcome.out, ::testing::Not(::testing::HasSubstr("RMS")));
   EXPECT_THAT(elements("r.html"), ::testing::Not(::testing::HasSubstr("image")));
   static_cast<void>(elements("r.svg"));

@@ -304,7 +304,7 @@ TEST_F(BadQuery, AnOutputThatIsTheDatabase) {
   std::filesystem::rename(folder / "a.talus", folder / "a.ply");
   std::filesystem::create_hard_link(folder / "a.ply", folder / "b.obj");
   for (const std::string output : {"a.ply", "./a.ply", "b.obj"}) {
-    expect_refused({"query", "a.ply", "--tolerance=1", "-o", output}, {usage}, {output, "database"});
+    expect_refused({"query", "a.ply", "--tolerance=1", "-o", output}, {usage}, {output, "input", "would be lost"});
   }
 }
 

@@ -1,5 +1,5 @@
-// Danger: valid floats that lie close to the number for voids. Whoever compares with a bit of slack, because floats are
-// said to need it, makes holes where there is data.
+// Danger: valid floats that lie close to the number for voids. Whoever compares with more slack than GDAL, which takes what
+// is within five steps of a float for the number itself, makes holes where there is data.
 
 #include <cmath>
 
@@ -10,7 +10,8 @@
 namespace talus::support {
 namespace {
 
-const float kNodata = -9999, kAbove = std::nextafter(kNodata, 0.0F), kBelow = std::nextafter(kNodata, -1e6F);
+const float kNodata = -9999, kStep = std::nextafter(kNodata, 0.0F) - kNodata;
+const float kAbove = kNodata + 8 * kStep, kBelow = kNodata - 8 * kStep;
 
 bool naive_is_void(float sample) { return std::abs(sample - kNodata) < 0.01F; }
 

@@ -228,7 +228,10 @@ TEST(Increments, OfAnUpdatedDatabaseDoNotFitTheOldAnswer) {
     const Snapshot now = Database::open(folder / "a.talus").snapshot();
     base = now.range(region, Metres{20}).quadtree;
   }
-  static_cast<void>(update({folder / "a.tif"}, folder / "a.talus"));  // the very same samples again
+  Terrain changed = terrain;
+  changed.at(199, 149) += 1;  // beyond the region: nothing of the answer changes
+  write_raster(changed, folder / "b.tif");
+  static_cast<void>(update({folder / "b.tif"}, folder / "a.talus"));
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   EXPECT_THAT(refusal(base, now.increment(region, Metres{20}, Metres{5})), ::testing::HasSubstr("update 1"));
 }
