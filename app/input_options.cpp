@@ -30,8 +30,9 @@ void add_input_options(CLI::App& command, InputWords& words) {
       ->group(group);
   repeat(command
              .add_option("--nodata", words.nodata,
-                         "Height that means no data, for inputs that declare none; may be repeated, for inputs of several kinds")
-             ->option_text("VALUE ..."));
+                         "Sample that means no data, as it stands in inputs that declare none (with --decode a height);\n"
+                         "repeat it for more than one")
+             ->option_text("VALUE"));
   command.add_option("--band", inputs.band, "Band that holds the heights; without it the first that is not alpha")
       ->check(CLI::Range(1, 65535))
       ->option_text("N")
@@ -50,9 +51,9 @@ void add_input_options(CLI::App& command, InputWords& words) {
   repeat(command
              .add_option("--allow-outside", inputs.allow_outside,
                          "Folder whose files virtual rasters and links may lead to, beside their own folder; may be repeated")
-             ->option_text("FOLDER ..."));
+             ->option_text("FOLDER"));
   repeat(command.add_option("--allow-driver", inputs.allow_drivers, "GDAL driver that may open files, too, such as netCDF or XYZ; may be repeated")
-             ->option_text("NAME ..."));
+             ->option_text("NAME"));
 }
 
 }  // namespace talus::app

@@ -144,15 +144,18 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
   std::vector<double> said_voids;
   if (has_nodata == 0 || is_coded) said_voids = rules.nodata;
   const double apart = rules.decode == ColourCode::terrarium ? 1.0 / 512 : is_coded ? 0.05 : 0;  // half a step of the code
+  const bool is_float = GDALGetRasterDataType(heights) == GDT_Float32 && !is_coded;
   // Headers round the lowest float; beyond this nothing is a height.
   constexpr double kHuge = 1e30;
   const auto is_void_number = [&](double number) {
     if (has_nodata != 0 && !is_coded) {
-      const bool is_same = GDALGetRasterDataType(heights) == GDT_Float32 ? static_cast<float>(number) == static_cast<float>(nodata)
-                                                                         : number == nodata;
+      const bool is_same = is_float ? static_cast<float>(number) == static_cast<float>(nodata) : number == nodata;
       if (is_same || (std::abs(nodata) > kHuge && std::abs(number) > kHuge && std::signbit(number) == std::signbit(nodata))) return true;
     }
-    return std::any_of(said_voids.begin(), said_voids.end(), [&](double said) { return std::abs(number - said) <= apart; });
+    return std::any_of(said_voids.begin(), said_voids.end(), [&](double said) {
+      const double held = is_float ? double{static_cast<float>(said)} : said;
+      return number == held || std::abs(number - said) <= apart;
+    });
   };
 
   const int first = in.east > 0 ? common.first.col - in.first.col : in.first.col - common.last.col;
@@ -169,6 +172,8 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
       read_row(GDALGetRasterBand(set, 3), first, file_row, cols, GDT_Float64, blue.data(), in.file, gdal);
       for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = height_of_colours(rules.decode, numbers[i], green[i], blue[i]);
     }
+    // A virtual raster computes in doubles what its band holds as floats.
+    for (std::size_t i = 0; is_float && i < numbers.size(); ++i) numbers[i] = static_cast<float>(numbers[i]);
     if (is_masked) read_row(mask, first, file_row, cols, GDT_Byte, masks.data(), in.file, gdal);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       is_void[i] = masks[i] == 0 || std::isnan(numbers[i]) || is_void_number(numbers[i]);
@@ -214,7 +219,7 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
       t = {0, 1, 0, 0, 0, -1};  // counted from the corner, downwards
       take_control_points(set, t);
     }
-    if (t[2] != 0 || t[4] != 0)
+    if (std::abs(t[2]) * placed.rows > 1e-6 * std::abs(t[1]) || std::abs(t[4]) * placed.cols > 1e-6 * std::abs(t[5]))
       refuse(
           fmt::format("is rotated against the grid of {}, so it was resampled; verify compares samples "
                       "with rasters on that grid only",

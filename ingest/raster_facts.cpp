@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "engine/grid.hpp"
+#include "ingest/ascii_grid.hpp"
 #include "ingest/crs.hpp"
 #include "ingest/gdal_scope.hpp"
 #include "ingest/laid_rasters.hpp"
@@ -115,6 +117,34 @@ void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
   }
 }
 
+/// What no raster of heights can be in, and where none can lie.
+void require_possible(const RasterFacts& facts) {
+  const OGRSpatialReference crs = crs_from(facts.crs_wkt);
+  GdalScope gdal;
+  if (crs.IsGeocentric() != 0) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is in geocentric coordinates, which are no map; gdalwarp brings it to one", facts.name));
+  }
+  OGRAxisOrientation way = OAO_Up;
+  if (crs.IsCompound() != 0 && crs.GetAxis("VERT_CS", 0, &way) != nullptr && way == OAO_Down) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} counts depths downwards, and Talus heights upwards; turn their sign, and state a vertical coordinate "
+                              "system of heights",
+                              facts.name));
+  }
+  if (crs.IsGeographic() == 0 || !facts.is_placed || facts.is_rotated) return;
+  const GridMapping& m = facts.mapping;
+  const double quarter = full_turn(facts.crs_wkt) / 4, north = m.y0, south = m.y(facts.rows - 1);
+  const double beyond = std::max(std::abs(north), std::abs(south)) - quarter;
+  const double far = std::max(std::abs(m.x0), std::abs(m.x(facts.cols - 1)));
+  if (!(beyond <= std::abs(m.dy)) || !(far <= 12 * quarter)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} spans latitudes {} to {} and longitudes {} to {}, which its coordinate system of degrees does not have; "
+                              "--srs says which it is in",
+                              facts.name, south, north, m.x0, m.x(facts.cols - 1)));
+  }
+}
+
 void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
   OGRSpatialReferenceH handle = GDALGetSpatialRef(dataset);
   if (handle == nullptr && GDALGetGCPCount(dataset) > 0) handle = GDALGetGCPSpatialRef(dataset);
@@ -128,6 +158,8 @@ void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& fa
   }
   if (facts.crs_wkt.empty()) {
     facts.notes.push_back("states no coordinate system, its cells count as metres; --srs gives one");
+  } else {
+    require_possible(facts);
   }
 }
 
@@ -266,11 +298,41 @@ void require_colours(GDALDatasetH dataset, const InputOptions& options, const Ra
   bool are_bytes = bands == 3 && (facts.alphas.empty() || facts.alphas.front() == 4);
   for (int i = 1; are_bytes && i <= bands; ++i)
     are_bytes = GDALGetRasterDataType(GDALGetRasterBand(dataset, i)) == GDT_Byte;
-  if (are_bytes && options.band == 0) return;
-  throw Failure(Cause::invalid_argument,
-                fmt::format("{}: InputOptions::decode takes rasters of three bands of bytes, red, green and blue, and perhaps alpha{}",
-                            facts.name, are_bytes ? "; InputOptions::band does not go with it" : ""),
-                facts.name);
+  if (!are_bytes || options.band != 0) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: InputOptions::decode takes rasters of three bands of bytes, red, green and blue, and perhaps alpha{}",
+                              facts.name, are_bytes ? "; InputOptions::band does not go with it" : ""),
+                  facts.name);
+  }
+  constexpr std::array kOrder{GCI_RedBand, GCI_GreenBand, GCI_BlueBand};
+  for (int i = 1; i <= bands; ++i) {
+    GDALRasterBandH band = GDALGetRasterBand(dataset, i);
+    const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
+    if (meaning != kOrder[static_cast<std::size_t>(i - 1)] && meaning != GCI_Undefined && meaning != GCI_GrayIndex) {
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("{}: band {} is {}; InputOptions::decode takes red, green and blue in this order (gdal_translate -b "
+                                "reorders bands)",
+                                facts.name, i, GDALGetColorInterpretationName(meaning)),
+                    facts.name);
+    }
+    if (GDALGetRasterScale(band, nullptr) != 1 || GDALGetRasterOffset(band, nullptr) != 0) {
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("{}: band {} has a scale or an offset, which colours that stand for heights do not have", facts.name, i),
+                    facts.name);
+    }
+  }
+  const char* compression = GDALGetMetadataItem(dataset, "COMPRESSION", "IMAGE_STRUCTURE");
+  const std::string_view kind = compression == nullptr ? "" : compression;
+  if (kind.find("JPEG") != std::string_view::npos || kind == "WEBP" || kind == "JXL" || kind.find("LERC") != std::string_view::npos) {
+    const char* reversible = GDALGetMetadataItem(dataset, "COMPRESSION_REVERSIBILITY", "IMAGE_STRUCTURE");
+    if (reversible == nullptr || !std::string_view(reversible).starts_with("LOSSLESS")) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} is compressed by {}, which changes colours a little and the heights they stand for by thousands of "
+                                "metres; get it without loss",
+                                facts.name, kind),
+                    facts.name);
+    }
+  }
 }
 
 void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
@@ -366,6 +428,42 @@ auto about(const std::string& file, Look&& look) {
   }
 }
 
+/// A virtual raster must say where its sources have no data, or it makes heights of what is none.
+void require_all_voids(const AdmittedRaster& input, GDALRasterBandH band, const RasterFacts& facts) {
+  const bool has_transparency = facts.masked || !facts.alphas.empty();
+  const std::string& hidden = input.alpha_in.empty() ? input.voids_in : input.alpha_in;
+  if (input.interpolates && (has_transparency || !input.alpha_in.empty() || facts.decode != ColourCode::none)) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is a virtual raster that interpolates its sources, and {} would change the heights beside it; name "
+                              "its sources instead, and say how to resample them",
+                              facts.name, facts.decode != ColourCode::none ? "colours" : "what is transparent or masked in them"));
+  }
+  int declares = 0;
+  GDALGetRasterNoDataValue(band, &declares);
+  if (has_transparency || (declares != 0 && input.alpha_in.empty()) || hidden.empty()) return;
+  throw Failure(Cause::unsupported,
+                fmt::format("{} is a virtual raster that does not say where its source {} has no data; carry {} over (gdalbuildvrt "
+                            "does, without -b), or name the sources instead",
+                            facts.name, hidden, input.alpha_in.empty() ? "the void value" : "the mask or alpha"));
+}
+
+/// A TIFF that is cut short has blocks beyond its end; where it has none at all, GDAL reads zeros.
+void require_whole_tiff(GDALDatasetH dataset, const std::string& name, std::uint64_t bytes) {
+  for (int i = 1; i <= GDALGetRasterCount(dataset); ++i) {
+    GDALRasterBandH band = GDALGetRasterBand(dataset, i);
+    int cols = 1, rows = 1;
+    GDALGetBlockSize(band, &cols, &rows);
+    const int x = (GDALGetRasterXSize(dataset) - 1) / cols, y = (GDALGetRasterYSize(dataset) - 1) / rows;
+    const auto number = [&](const char* what) -> std::uint64_t {
+      const char* text = GDALGetMetadataItem(band, fmt::format("BLOCK_{}_{}_{}", what, x, y).c_str(), "TIFF");
+      return text == nullptr ? 0 : std::strtoull(text, nullptr, 10);
+    };
+    if (number("OFFSET") + number("SIZE") > bytes) {
+      throw Failure(Cause::unsupported, fmt::format("{} is cut short: its last samples lie beyond the end of the file", name), name);
+    }
+  }
+}
+
 }  // namespace
 
 AdmittedRaster open_input(const fs::path& file, const InputOptions& options) {
@@ -378,6 +476,7 @@ AdmittedRaster open_input(const fs::path& file, const InputOptions& options) {
       facts.driver = admitted.driver;
       admitted.dataset = open_dataset(facts);  // which says why it cannot be
     }
+    if (admitted.driver == "GTiff") require_whole_tiff(admitted.dataset.get(), file.string(), admitted.files.front().bytes);
     return admitted;
   });
 }
@@ -409,12 +508,8 @@ RasterFacts look_at(AdmittedRaster input, const fs::path& file, const InputOptio
     facts.offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, facts.name);
     take_colour_code(facts);
     take_voids(band, options, facts);
-    if (input.interpolates && (facts.masked || !facts.alphas.empty())) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is a virtual raster that interpolates its sources, and what is transparent or masked in them "
-                                "would change the heights beside it; name its sources instead, and say how to resample them",
-                                facts.name));
-    }
+    require_all_voids(input, band, facts);
+    if (facts.driver == "AAIGrid") require_whole_ascii_grid(facts.file, facts.name, facts.cols, facts.rows);
     return facts;
   });
 }

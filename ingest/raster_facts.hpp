@@ -42,7 +42,7 @@ struct RasterFacts {
   std::vector<FileState> files;  ///< all that it is read from
 
   int band = 1;             ///< that holds the heights; with a colour code the first of three
-  std::vector<int> alphas;  ///< bands that say where the raster is transparent: where one is not above 0, nothing is data
+  std::vector<int> alphas;  ///< bands that say where the raster is transparent: where one is 0, nothing is data
   ColourCode decode = ColourCode::none;
   GDALDataType type = GDT_Unknown;  ///< of the samples that are read, decoded if they are colours
   int cols = 0, rows = 0;

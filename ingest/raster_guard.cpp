@@ -15,6 +15,7 @@
 #include <system_error>
 #include <vector>
 
+#include <cpl_conv.h>
 #include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <fmt/format.h>
@@ -156,7 +157,7 @@ class Guard {
     seen_.insert(real);
     if (driver == "VRT") check_vrt(real);
     check_side_files(real);
-    AdmittedRaster raster{real, driver, {}, open(real, driver, ""), interpolates_, {}};
+    AdmittedRaster raster{real, driver, {}, open(real, driver, ""), interpolates_, voids_in_, alpha_in_, {}};
     if (raster.dataset) choose_variable(raster, file);
     return raster;
   }
@@ -190,10 +191,26 @@ class Guard {
     }
   }
 
-  void admit_inner(const fs::path& file) {
+  /// What was opened; nothing where the file was seen before.
+  AdmittedRaster admit_inner(const fs::path& file) {
     const fs::path real = regular_file(file);
-    if (seen_.contains(real)) return;
-    check_first_choice(real, admit(real).driver);
+    if (seen_.contains(real)) return {};
+    AdmittedRaster inner = admit(real);
+    check_first_choice(real, inner.driver);
+    return inner;
+  }
+
+  /// What a source says of voids, which the virtual raster must say, too.
+  void note_voids(const AdmittedRaster& source, bool uses_mask) {
+    GDALDatasetH dataset = source.dataset.get();
+    for (int i = 1; dataset != nullptr && i <= GDALGetRasterCount(dataset); ++i) {
+      GDALRasterBandH band = GDALGetRasterBand(dataset, i);
+      const int flags = GDALGetMaskFlags(band);
+      const bool is_alpha = GDALGetRasterColorInterpretation(band) == GCI_AlphaBand;
+      const bool is_masked = is_alpha || ((flags & GMF_ALL_VALID) == 0 && flags != GMF_NODATA);
+      if (is_masked || (flags & GMF_ALL_VALID) == 0) voids_in_ = source.file.string();
+      if (is_masked && !uses_mask) alpha_in_ = source.file.string();
+    }
   }
 
   // GDAL opens files beside a raster by itself, masks and overviews with any driver.
@@ -341,14 +358,15 @@ class Guard {
     interpolates_ |= !is_one_of(resampling, {"near", "nearest"});
     for (const CPLXMLNode* node = source.psChild; node != nullptr; node = node->psNext) {
       if (EQUAL(node->pszValue, "SourceFilename")) {
-        check_source_name(vrt, *node);
+        const char* uses_mask = CPLGetXMLValue(&source, "UseMaskBand", "false");
+        note_voids(check_source_name(vrt, *node), CPLTestBool(uses_mask) != 0);
       } else if (node->eType == CXT_Element && EQUAL(node->pszValue, "OpenOptions")) {
         refuse(vrt, node->pszValue);
       }
     }
   }
 
-  void check_source_name(const fs::path& vrt, const CPLXMLNode& element) {
+  AdmittedRaster check_source_name(const fs::path& vrt, const CPLXMLNode& element) {
     const CPLXMLNode* text = nullptr;
     for (const CPLXMLNode* node = element.psChild; node != nullptr; node = node->psNext) {
       if (node->eType == CXT_Attribute) continue;
@@ -372,7 +390,7 @@ class Guard {
     if (std::find(open_.begin(), open_.end(), real) != open_.end()) {
       throw Failure(Cause::unsupported, fmt::format("{} is a source of itself", real.string()));
     }
-    admit_inner(real);
+    return admit_inner(real);
   }
 
   [[noreturn]] static void refuse(const fs::path& vrt, std::string_view what) {
@@ -387,6 +405,7 @@ class Guard {
   std::set<fs::path> seen_, noted_;
   std::vector<FileState> files_;  // what was noted, in order
   bool interpolates_ = false;
+  std::string voids_in_, alpha_in_;
   std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
 };
 

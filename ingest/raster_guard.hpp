@@ -24,6 +24,8 @@ struct AdmittedRaster {
   std::string variable;        ///< of a file that holds several rasters; empty: the file holds one
   DatasetOwner dataset;        ///< opened to be looked at; null where GDAL could not
   bool interpolates = false;   ///< a virtual raster that resamples its sources otherwise than by the nearest sample
+  std::string voids_in;        ///< a source of a virtual raster with a void value, a mask or alpha; empty: none has
+  std::string alpha_in;        ///< one with a mask or alpha that the virtual raster does not ask for; empty: none
   /// All files it is read from, itself first: sources of virtual rasters, headers, masks, world files.
   std::vector<FileState> files = {};
 };

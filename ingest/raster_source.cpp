@@ -108,13 +108,13 @@ void mark_value(const Patch<T>& patch, T value, const Patch<std::uint8_t>& valid
   }
 }
 
-/// Where another band is not above 0.
+/// Where another band is 0.
 template <class T>
-void mark_where_not_above_0(const Patch<T>& other, const Patch<std::uint8_t>& valid) {
+void mark_where_0(const Patch<T>& other, const Patch<std::uint8_t>& valid) {
   for (std::size_t r = 0; r < valid.rows; ++r) {
     const T* row = other.row(r);
     std::uint8_t* ok = valid.row(r);
-    for (std::size_t c = 0; c < valid.cols; ++c) ok[c] = static_cast<std::uint8_t>((ok[c] != 0) & (row[c] > 0));
+    for (std::size_t c = 0; c < valid.cols; ++c) ok[c] = static_cast<std::uint8_t>((ok[c] != 0) & (row[c] != 0));
   }
 }
 
@@ -208,13 +208,13 @@ bool RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size
   if (mark_voids(patch, nodata, valid) && nodata_mask_ != nullptr) {
     const Beside<std::uint8_t> mask(patch.cols, patch.rows);
     read_band(nodata_mask_, part, mask.patch);
-    mark_where_not_above_0(mask.patch, valid);
+    mark_where_0(mask.patch, valid);
   }
   for (const double value : facts_.assumed_voids) mark_value(patch, static_cast<T>(value), valid);
   for (GDALRasterBandH alpha : alphas_) {
     const Beside<float> transparency(patch.cols, patch.rows);
     read_band(alpha, part, transparency.patch);
-    mark_where_not_above_0(transparency.patch, valid);
+    mark_where_0(transparency.patch, valid);
   }
   clear_voids(patch, valid);
   code_heights(patch, valid, facts_, coding, {part.first.col - facts_.place.first.col, part.first.row - facts_.place.first.row});

@@ -409,6 +409,13 @@ Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options)
     throw Failure(Cause::unsupported, fmt::format("no input can be opened; the first: {}", broken.front()), list.files.front());
   }
   for (const std::string& why : broken) plan.notes.push_back("left out: " + why);
+  const bool is_taken = std::any_of(plan.rasters.begin(), plan.rasters.end(),
+                                    [](const RasterFacts& raster) { return !raster.assumed_voids.empty(); });
+  const bool only_nan = std::all_of(options.nodata.begin(), options.nodata.end(), [](double value) { return std::isnan(value); });
+  if (!only_nan && !is_taken) {
+    plan.notes.push_back("InputOptions::nodata makes nothing void: each input declares a void value of its own, or its samples cannot "
+                         "be that value (gdal_translate -a_nodata changes what a file declares)");
+  }
 
   const Placement placement = place_on_one_grid(plan.rasters, options);
   plan.types = types_of(plan.rasters, options);
@@ -535,8 +542,9 @@ SeamReport Source::seams() const {
 }
 
 std::vector<std::string> Source::doubts(double minimum, double maximum) const {
-  const bool all_declare = std::all_of(plan_->rasters.begin(), plan_->rasters.end(),
-                                       [](const RasterFacts& raster) { return raster.nodata.has_value(); });
+  const bool all_declare = std::all_of(plan_->rasters.begin(), plan_->rasters.end(), [](const RasterFacts& raster) {
+    return raster.nodata.has_value() || (!is_bare(raster) && raster.decode == ColourCode::none);  // V would be a raw sample
+  });
   return void_doubts(minimum, maximum, reader_->zero_edges, plan_->description.vertical_unit, all_declare);
 }
 

@@ -175,7 +175,9 @@ GridRect place_of(const LaidRasters& laid, GridRect part) {
   }
   if (west > east || north > south) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("{} is smaller than a cell of the target grid: choose smaller cells with --tr", name_of(laid)),
+                  fmt::format("{} holds no sample of the target grid: it is smaller than a cell (choose smaller cells with "
+                              "--tr), or it crosses the edge of the target coordinate system (choose another)",
+                              name_of(laid)),
                   laid.members.front().name);
   }
   return {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
