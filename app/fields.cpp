@@ -7,7 +7,7 @@ namespace talus::app {
 namespace {
 
 // A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 10> kOptions{{
+constexpr std::array<std::pair<const char*, const char*>, 11> kOptions{{
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
     {"InputOptions::allow_drivers", "--allow-driver"},
@@ -18,6 +18,7 @@ constexpr std::array<std::pair<const char*, const char*>, 10> kOptions{{
     {"InputOptions::variable", "--variable"},
     {"InputOptions::nodata", "--nodata"},
     {"InputOptions::decode", "--decode"},
+    {"InputOptions::srs", "--srs"},
 }};
 
 }  // namespace
@@ -25,7 +26,8 @@ constexpr std::array<std::pair<const char*, const char*>, 10> kOptions{{
 std::string with_options(std::string sentence) {
   for (const auto& [field, option] : kOptions) {
     const std::string name = field;
-    for (std::size_t at = 0; (at = sentence.find(name, at)) != std::string::npos;) sentence.replace(at, name.size(), option);
+    for (std::size_t at = 0; (at = sentence.find(name, at)) != std::string::npos;)
+      sentence.replace(at, name.size(), option);
   }
   return sentence;
 }

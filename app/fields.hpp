@@ -6,7 +6,8 @@
 
 namespace talus::app {
 
-/// A sentence of the library with each field it names, such as `InputOptions::allow_outside`, as the option that sets it.
+/// A sentence of the library with each field it names, such as `InputOptions::allow_outside`, as the option that sets
+/// it.
 [[nodiscard]] std::string with_options(std::string sentence);
 [[nodiscard]] std::vector<std::string> with_options(std::vector<std::string> sentences);
 

@@ -25,8 +25,9 @@ std::string lower(std::string_view word) {
 }
 
 bool is_keyword(std::string_view word) {
-  constexpr std::array<std::string_view, 11> kWords{"ncols",     "nrows",    "xllcorner", "yllcorner",    "xllcenter", "yllcenter",
-                                                    "cellsize", "dx",        "dy",        "nodata_value", "nodata"};
+  constexpr std::array<std::string_view, 11> kWords{"ncols",     "nrows",        "xllcorner", "yllcorner",
+                                                    "xllcenter", "yllcenter",    "cellsize",  "dx",
+                                                    "dy",        "nodata_value", "nodata"};
   return std::find(kWords.begin(), kWords.end(), lower(word)) != kWords.end();
 }
 
@@ -56,8 +57,9 @@ void require_whole_ascii_grid(const std::filesystem::path& file, const std::stri
       in_header = false;
       if (!is_number(word)) {
         throw Failure(Cause::unsupported,
-                      fmt::format("{} has \"{}\" where the number of column {}, row {} is expected; mend the file", name,
-                                  word.substr(0, 40), numbers % static_cast<std::uint64_t>(cols), numbers / static_cast<std::uint64_t>(cols)),
+                      fmt::format("{} has \"{}\" where the number of column {}, row {} is expected; mend the file",
+                                  name, word.substr(0, 40), numbers % static_cast<std::uint64_t>(cols),
+                                  numbers / static_cast<std::uint64_t>(cols)),
                       name);
       }
       ++numbers;
@@ -76,10 +78,11 @@ void require_whole_ascii_grid(const std::filesystem::path& file, const std::stri
   if (!in.eof()) throw Failure(Cause::io, fmt::format("cannot read {}", name), name);
   take();
   if (numbers == wanted) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{} has {} numbers where {} rows of {} make {}: it is cut short, or a number is missing or too many", name,
-                            numbers, rows, cols, wanted),
-                name);
+  throw Failure(
+      Cause::unsupported,
+      fmt::format("{} has {} numbers where {} rows of {} make {}: it is cut short, or a number is missing or too many",
+                  name, numbers, rows, cols, wanted),
+      name);
 }
 
 }  // namespace talus

@@ -80,7 +80,8 @@ std::vector<std::size_t> join_across_antimeridian(const std::vector<GridRect*>& 
   if (end - (all.front().first + all.front().turns * turn) >= turn / 2) return {};
   for (Lying& l : all) {
     l.turns -= anchor_turns;
-    if (l.turns != 0 && (std::abs(l.first + l.turns * turn) > kMaxExtent || std::abs(l.last + l.turns * turn) > kMaxExtent))
+    if (l.turns != 0 &&
+        (std::abs(l.first + l.turns * turn) > kMaxExtent || std::abs(l.last + l.turns * turn) > kMaxExtent))
       return {};
   }
   std::vector<std::size_t> moved;

@@ -19,9 +19,9 @@ inline constexpr double kOnTheGrid = 1e-3;  ///< cells between a sample and the 
 /// Columns of a full turn in a CRS (WKT) that counts longitudes, if they are a whole number; else 0.
 [[nodiscard]] std::int64_t columns_of_a_turn(const std::string& crs_wkt, const GridMapping& grid);
 
-/// Rasters on both sides of the antimeridian are neighbours: laid on a circle of `turn` columns that is cut at its widest
-/// gap, if they then touch and span less than half a turn. The first place stays where it is.
-/// returns  which places were moved, by whole turns
+/// Rasters on both sides of the antimeridian are neighbours: laid on a circle of `turn` columns that is cut at its
+/// widest gap, if they then touch and span less than half a turn. The first place stays where it is. returns  which
+/// places were moved, by whole turns
 std::vector<std::size_t> join_across_antimeridian(const std::vector<GridRect*>& places, std::int64_t turn);
 
 /// "a.tif and 2 more: placed a full turn further, to join its neighbours across the antimeridian"

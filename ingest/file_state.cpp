@@ -15,7 +15,8 @@ FileState state_of(const std::filesystem::path& file) {
   if (::stat(file.c_str(), &about) != 0) {
     const int error = errno;
     const bool gone = error == ENOENT || error == ENOTDIR;
-    throw Failure(gone ? Cause::not_found : Cause::io, fmt::format("{}: {}", file.string(), std::strerror(error)), file);
+    throw Failure(gone ? Cause::not_found : Cause::io, fmt::format("{}: {}", file.string(), std::strerror(error)),
+                  file);
   }
   const auto nanoseconds = [](const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; };
   return {file,

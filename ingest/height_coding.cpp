@@ -26,8 +26,8 @@ SureHeights<T> sure_heights(const RasterFacts& facts, const Coding& coding) {
 }
 
 template <class T>
-void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts, const Coding& coding,
-                  GridPoint first) {
+void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts,
+                  const Coding& coding, GridPoint first) {
   const SureHeights<T> sure = sure_heights<T>(facts, coding);
   const double largest = kLargestHeight / facts.metres_per_unit;
   const bool is_integer = facts.is_integer();
@@ -44,13 +44,14 @@ void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const
       if (ok[c] == 0 || (coding.rule == Coding::Rule::raw && row[c] >= sure.low && row[c] <= sure.high)) continue;
       const double value = value_of(static_cast<double>(row[c]));
       if (!(std::abs(value) <= largest)) {
-        throw Failure(Cause::invalid_argument,
-                      fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down). If it "
-                                  "means no data, declare it: InputOptions::nodata for files that declare no void value, "
-                                  "gdal_translate -a_nodata for others",
-                                  facts.name, value, facts.vertical_unit, first.col + static_cast<std::int64_t>(c),
-                                  first.row + static_cast<std::int64_t>(r), kLargestHeight),
-                      facts.name);
+        throw Failure(
+            Cause::invalid_argument,
+            fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down). If it "
+                        "means no data, declare it: InputOptions::nodata for files that declare no void value, "
+                        "gdal_translate -a_nodata for others",
+                        facts.name, value, facts.vertical_unit, first.col + static_cast<std::int64_t>(c),
+                        first.row + static_cast<std::int64_t>(r), kLargestHeight),
+            facts.name);
       }
       if (coding.rule == Coding::Rule::value) row[c] = static_cast<T>(value);
       if (coding.rule == Coding::Rule::rounded) {
@@ -63,8 +64,11 @@ void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const
 template SureHeights<std::int16_t> sure_heights(const RasterFacts&, const Coding&);
 template SureHeights<float> sure_heights(const RasterFacts&, const Coding&);
 template SureHeights<double> sure_heights(const RasterFacts&, const Coding&);
-template void code_heights(const Patch<std::int16_t>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&, GridPoint);
-template void code_heights(const Patch<float>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&, GridPoint);
-template void code_heights(const Patch<double>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&, GridPoint);
+template void code_heights(const Patch<std::int16_t>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&,
+                           GridPoint);
+template void code_heights(const Patch<float>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&,
+                           GridPoint);
+template void code_heights(const Patch<double>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&,
+                           GridPoint);
 
 }  // namespace talus

@@ -40,7 +40,7 @@ template <class T>
 /// first  the raster's column and row of the first sample, for failures
 /// fails  invalid_argument: a sample that is no height
 template <class T>
-void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts, const Coding& coding,
-                  GridPoint first);
+void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts,
+                  const Coding& coding, GridPoint first);
 
 }  // namespace talus

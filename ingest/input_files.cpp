@@ -32,7 +32,8 @@ DigestedFile digested(const FileState& file, const std::function<void()>& tell) 
 }  // namespace
 
 std::string difference_of(const DigestedFile& then, const DigestedFile& now) {
-  if (then.state.bytes != now.state.bytes) return fmt::format("has {} bytes, had {}", now.state.bytes, then.state.bytes);
+  if (then.state.bytes != now.state.bytes)
+    return fmt::format("has {} bytes, had {}", now.state.bytes, then.state.bytes);
   if (then.digest == now.digest) return "";
   const std::time_t when = now.state.modified_ns / 1'000'000'000;
   std::tm local{};

@@ -98,8 +98,9 @@ class LaidDataset : public GDALDataset {
     block_.valid.assign(kSamples, 0);
     block_.owner.assign(kSamples, 0);
     const GridPoint first{part_.first.col + x * kBlockSide, part_.first.row + y * kBlockSide};
-    const GridRect square{first,
-                          {std::min(first.col + kBlockSide - 1, part_.last.col), std::min(first.row + kBlockSide - 1, part_.last.row)}};
+    const GridRect square{
+        first,
+        {std::min(first.col + kBlockSide - 1, part_.last.col), std::min(first.row + kBlockSide - 1, part_.last.row)}};
     for (std::size_t i = 0; i < laid_.members.size(); ++i) {
       const GridRect& place = laid_.members[i].place;
       const GridRect rect{{std::max(place.first.col, square.first.col), std::max(place.first.row, square.first.row)},
@@ -108,7 +109,8 @@ class LaidDataset : public GDALDataset {
       const auto samples = static_cast<std::size_t>(rect.samples());
       read_.resize(samples);
       read_valid_.assign(samples, 1);
-      open_.get(i).read(rect, coding_, read_.data(), static_cast<std::size_t>(rect.cols()), [&] { return read_valid_.data(); });
+      open_.get(i).read(rect, coding_, read_.data(), static_cast<std::size_t>(rect.cols()),
+                        [&] { return read_valid_.data(); });
       lay_member(static_cast<std::int32_t>(i) + 1, rect, first);
     }
   }
@@ -117,7 +119,8 @@ class LaidDataset : public GDALDataset {
   void lay_member(std::int32_t number, GridRect rect, GridPoint first) {
     std::size_t from = 0;
     for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
-      auto to = static_cast<std::size_t>(row - first.row) * kBlockSide + static_cast<std::size_t>(rect.first.col - first.col);
+      auto to =
+          static_cast<std::size_t>(row - first.row) * kBlockSide + static_cast<std::size_t>(rect.first.col - first.col);
       for (std::int32_t col = rect.first.col; col <= rect.last.col; ++col, ++from, ++to) {
         if (read_valid_[from] != 0) {
           block_.samples[to] = read_[from];
@@ -159,7 +162,8 @@ CPLErr LaidBand::IReadBlock(int x, int y, void* to) {
   }
   constexpr int kSamples = kBlockSide * kBlockSide;
   if (kind_ == Kind::samples) {
-    GDALCopyWords(block->samples.data(), GDT_Float64, sizeof(double), to, eDataType, GDALGetDataTypeSizeBytes(eDataType), kSamples);
+    GDALCopyWords(block->samples.data(), GDT_Float64, sizeof(double), to, eDataType,
+                  GDALGetDataTypeSizeBytes(eDataType), kSamples);
   } else if (kind_ == Kind::mask) {
     std::copy(block->valid.begin(), block->valid.end(), static_cast<std::uint8_t*>(to));
   } else {
@@ -225,7 +229,8 @@ std::vector<LaidRasters> laid_together(const std::vector<RasterFacts>& rasters, 
     if (laid.members.size() == 1) continue;
     std::vector<GridRect*> places;
     for (RasterFacts& member : laid.members) places.push_back(&member.place);
-    const std::vector<std::size_t> moved = join_across_antimeridian(places, columns_of_a_turn(laid.crs_wkt, laid.mapping));
+    const std::vector<std::size_t> moved =
+        join_across_antimeridian(places, columns_of_a_turn(laid.crs_wkt, laid.mapping));
     if (!moved.empty()) notes.push_back(note_of_turn(laid.members[moved.front()].name, moved.size()));
     settle_extent(laid);
   }
@@ -237,8 +242,6 @@ DatasetOwner open_laid(const LaidRasters& laid, GridRect part) {
   return DatasetOwner{GDALDataset::ToHandle(new LaidDataset(laid, part))};
 }
 
-void rethrow_failure(GDALDatasetH dataset) {
-  static_cast<LaidDataset*>(GDALDataset::FromHandle(dataset))->rethrow();
-}
+void rethrow_failure(GDALDatasetH dataset) { static_cast<LaidDataset*>(GDALDataset::FromHandle(dataset))->rethrow(); }
 
 }  // namespace talus

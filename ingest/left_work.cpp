@@ -30,7 +30,9 @@ class Check {
       : txn_(txn), extent_(d.extent), bands_(band_count(d.extent)), distance_(d.step, d.metres_per_unit), tell_(tell) {}
 
   void run() {
-    txn_.for_each(kHeaderTable, [&](std::uint64_t at) { require(txn_, {kHeaderTable, at}, fmt::format("header {}", at)); });
+    txn_.for_each(kHeaderTable, [&](std::uint64_t at) {
+      require(txn_, {kHeaderTable, at}, fmt::format("header {}", at));
+    });
     std::uint64_t known[2] = {0, 0}, stored[2] = {0, 0};  // pages of bands 0 and 1: what records say, what is there
     txn_.for_each(kRecordTable, [&](std::uint64_t at) { tile(at, known); });
     for (int band = 0; band < kRecordTable; ++band) {
@@ -44,7 +46,8 @@ class Check {
     }
     for (const int band : {0, 1}) {
       if (stored[band] != known[band])
-        refuse(fmt::format("{} pages of band {} are stored, and the tiles' records say {}", stored[band], band, known[band]));
+        refuse(fmt::format("{} pages of band {} are stored, and the tiles' records say {}", stored[band], band,
+                           known[band]));
     }
   }
 
@@ -60,7 +63,8 @@ class Check {
 
   void tile(std::uint64_t position, std::uint64_t* known) {
     const PageId id = page_at(1, position);
-    const StoredPage record = require(txn_, {kRecordTable, position}, fmt::format("the record of tile {}/{}", id.x, id.y));
+    const StoredPage record =
+        require(txn_, {kRecordTable, position}, fmt::format("the record of tile {}/{}", id.x, id.y));
     const TileSummary summary = decode_tile_summary(record.content);
     if (summary.entry.present != txn_.has({1, position}))
       refuse(fmt::format("{}: the tile's record says something else of it", name(id)));

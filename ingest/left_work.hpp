@@ -21,7 +21,7 @@ struct LeftWork {
     damaged,   ///< `damage` says how
   };
   Kind kind = Kind::nothing;
-  std::string plan, title;  ///< the title is the plan's first line
+  std::string plan, title;         ///< the title is the plan's first line
   std::optional<Provenance> made;  ///< of a finished file
   std::uint64_t tiles = 0;
   std::string damage;
@@ -31,13 +31,14 @@ struct LeftWork {
 /// the file holds.
 [[nodiscard]] LeftWork left_work_in(const std::filesystem::path& part);
 
-/// Checks what is to be gone on with: every page and record against its checksum, every page decoded, each record against
-/// the pages of its tile.
+/// Checks what is to be gone on with: every page and record against its checksum, every page decoded, each record
+/// against the pages of its tile.
 ///
 /// description  of the ingest that goes on with it
 /// tell         called now and then; may throw
 /// fails        corrupt: names the file, what is wrong, and what to do
 /// cost         reads the file; about 5 ns a sample that was settled
-void verify_left_work(const std::filesystem::path& part, const Description& description, const std::function<void()>& tell);
+void verify_left_work(const std::filesystem::path& part, const Description& description,
+                      const std::function<void()>& tell);
 
 }  // namespace talus

@@ -140,8 +140,8 @@ void require_same_heights(const RasterFacts& raster, const Target& target) {
   }
   if (!is_same_crs) {
     throw Failure(Cause::unsupported,
-                  fmt::format("{} is in another coordinate system than {}; {}, and --srs says what all inputs are in where what "
-                              "they state is wrong",
+                  fmt::format("{} is in another coordinate system than {}; {}, and InputOptions::srs says what all inputs are in where "
+                              "what they state is wrong",
                               raster.name, target.whose, kWays),
                   raster.name);
   }

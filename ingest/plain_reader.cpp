@@ -102,7 +102,8 @@ double height_of_colours(ColourCode code, double red, double green, double blue)
   return -10000 + (red * 256 * 256 + green * 256 + blue) * 0.1;
 }
 
-/// Where the control points of a raster put its corner and cells, if they are at the corners of a grid; else nothing changes.
+/// Where the control points of a raster put its corner and cells, if they are at the corners of a grid; else nothing
+/// changes.
 void take_control_points(GDALDatasetH set, std::array<double, 6>& t) {
   std::array<double, 6> found{};
   const int count = GDALGetGCPCount(set);
@@ -139,18 +140,23 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
   const double stated_scale = GDALGetRasterScale(heights, &has_scale),
                stated_offset = GDALGetRasterOffset(heights, &has_offset);
   const bool is_coded = rules.decode != ColourCode::none;
-  const double scale = has_scale != 0 && !is_coded ? stated_scale : 1, offset = has_offset != 0 && !is_coded ? stated_offset : 0;
+  const double scale = has_scale != 0 && !is_coded ? stated_scale : 1,
+               offset = has_offset != 0 && !is_coded ? stated_offset : 0;
   const double nodata = GDALGetRasterNoDataValue(heights, &has_nodata);
   std::vector<double> said_voids;
   if (has_nodata == 0 || is_coded) said_voids = rules.nodata;
-  const double apart = rules.decode == ColourCode::terrarium ? 1.0 / 512 : is_coded ? 0.05 : 0;  // half a step of the code
+  const double apart = rules.decode == ColourCode::terrarium ? 1.0 / 512
+                       : is_coded                            ? 0.05
+                                                             : 0;  // half a step of the code
   const bool is_float = GDALGetRasterDataType(heights) == GDT_Float32 && !is_coded;
   // Headers round the lowest float; beyond this nothing is a height.
   constexpr double kHuge = 1e30;
   const auto is_void_number = [&](double number) {
     if (has_nodata != 0 && !is_coded) {
       const bool is_same = is_float ? static_cast<float>(number) == static_cast<float>(nodata) : number == nodata;
-      if (is_same || (std::abs(nodata) > kHuge && std::abs(number) > kHuge && std::signbit(number) == std::signbit(nodata))) return true;
+      if (is_same ||
+          (std::abs(nodata) > kHuge && std::abs(number) > kHuge && std::signbit(number) == std::signbit(nodata)))
+        return true;
     }
     return std::any_of(said_voids.begin(), said_voids.end(), [&](double said) {
       const double held = is_float ? double{static_cast<float>(said)} : said;
@@ -170,7 +176,8 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
       std::vector<double> green(numbers.size()), blue(numbers.size());
       read_row(GDALGetRasterBand(set, 2), first, file_row, cols, GDT_Float64, green.data(), in.file, gdal);
       read_row(GDALGetRasterBand(set, 3), first, file_row, cols, GDT_Float64, blue.data(), in.file, gdal);
-      for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = height_of_colours(rules.decode, numbers[i], green[i], blue[i]);
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        numbers[i] = height_of_colours(rules.decode, numbers[i], green[i], blue[i]);
     }
     // A virtual raster computes in doubles what its band holds as floats.
     for (std::size_t i = 0; is_float && i < numbers.size(); ++i) numbers[i] = static_cast<float>(numbers[i]);
@@ -242,7 +249,8 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
     opened_->inputs.push_back(placed);
   }
   const double turn = is_geographic(database.crs_wkt) ? std::nearbyint(360 / m.dx) : 0;
-  if (turn >= 1 && turn < 1e9 && std::abs(turn * m.dx - 360) <= kOnTheGrid * m.dx) opened_->turn = static_cast<std::int32_t>(turn);
+  if (turn >= 1 && turn < 1e9 && std::abs(turn * m.dx - 360) <= kOnTheGrid * m.dx)
+    opened_->turn = static_cast<std::int32_t>(turn);
   if (rules.priority_resolution) {  // the one with smaller cells on top; on one grid they hardly differ
     std::stable_sort(opened_->inputs.begin(), opened_->inputs.end(),
                      [](const Placed& a, const Placed& b) { return a.cell_area > b.cell_area * (1 + 1e-3); });
@@ -250,7 +258,8 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
   settle_extent(database.extent);
 }
 
-/// Longitudes may be written a full turn away: each input is taken where it meets the database, and the rest of it around it.
+/// Longitudes may be written a full turn away: each input is taken where it meets the database, and the rest of it
+/// around it.
 void PlainReader::settle_extent(GridRect database) {
   GridRect& all = opened_->extent;
   for (Placed& placed : opened_->inputs) {

@@ -13,13 +13,14 @@
 
 namespace talus {
 
-/// Inputs on a database's grid. A cell is void where its band's mask says so, where any alpha band is 0, where it is NaN or,
-/// in a band that declares no void value, one of InputOptions::nodata. Its height is number · scale + offset, or what
-/// InputOptions::decode makes of its colours. A later input covers an earlier one; a void covers nothing. Longitudes that
-/// are a full turn apart are the same.
+/// Inputs on a database's grid. A cell is void where its band's mask says so, where any alpha band is 0, where it is
+/// NaN or, in a band that declares no void value, one of InputOptions::nodata. Its height is number · scale + offset,
+/// or what InputOptions::decode makes of its colours. A later input covers an earlier one; a void covers nothing.
+/// Longitudes that are a full turn apart are the same.
 class PlainReader {
  public:
-  /// fails  as list_inputs and admit_raster; invalid_argument: an input that is not on the database's grid, for instance
+  /// fails  as list_inputs and admit_raster; invalid_argument: an input that is not on the database's grid, for
+  /// instance
   ///        because it was resampled, or that is in another CRS; io
   PlainReader(const std::vector<std::filesystem::path>& inputs, const InputOptions& rules, const Description& database,
               const std::string& database_name);

@@ -19,12 +19,13 @@ constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
 
 /// part  of the warped dataset, from its own first sample
 template <class T>
-void read_band(GDALDatasetH warped, int number, GridRect part, GDALDatasetH laid, const std::string& name, const Patch<T>& to) {
+void read_band(GDALDatasetH warped, int number, GridRect part, GDALDatasetH laid, const std::string& name,
+               const Patch<T>& to) {
   GdalScope gdal;
   const int cols = static_cast<int>(to.cols), rows = static_cast<int>(to.rows);
   const CPLErr outcome =
-      GDALRasterIOEx(GDALGetRasterBand(warped, number), GF_Read, part.first.col, part.first.row, cols, rows, to.samples, cols,
-                     rows, kGdalType<T>, 0, static_cast<GSpacing>(to.stride * sizeof(T)), nullptr);
+      GDALRasterIOEx(GDALGetRasterBand(warped, number), GF_Read, part.first.col, part.first.row, cols, rows, to.samples,
+                     cols, rows, kGdalType<T>, 0, static_cast<GSpacing>(to.stride * sizeof(T)), nullptr);
   rethrow_failure(laid);
   // Resampling complains of points that have no place in the other CRS, and goes on rightly.
   if (outcome == CE_None) return;
@@ -68,8 +69,10 @@ void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Codin
     std::fill_n(valid.row(r), cols, std::uint8_t{0});
   }
   if (held.cols() < 1 || held.rows() < 1) return;
-  const auto left = static_cast<std::size_t>(held.first.col - there.first.col), above = static_cast<std::size_t>(held.first.row - there.first.row);
-  const Patch<T> heights{patch.row(above) + left, static_cast<std::size_t>(held.cols()), static_cast<std::size_t>(held.rows()), stride};
+  const auto left = static_cast<std::size_t>(held.first.col - there.first.col),
+             above = static_cast<std::size_t>(held.first.row - there.first.row);
+  const Patch<T> heights{patch.row(above) + left, static_cast<std::size_t>(held.cols()),
+                         static_cast<std::size_t>(held.rows()), stride};
   const Patch<std::uint8_t> data{valid.row(above) + left, heights.cols, heights.rows, stride};
   read_band(set.warped.heights.get(), 1, held, set.laid.get(), facts.name, heights);
   read_band(set.warped.heights.get(), 2, held, set.laid.get(), facts.name, data);
@@ -88,11 +91,13 @@ void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Codin
       if (!is_data) heights.row(r)[c] = T{0};
     }
   }
-  code_heights(patch, valid, facts, coding, {part.first.col - facts.place.first.col, part.first.row - facts.place.first.row});
+  code_heights(patch, valid, facts, coding,
+               {part.first.col - facts.place.first.col, part.first.row - facts.place.first.row});
 }
 
 using ValidAt = std::function<std::uint8_t*()>;
-template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, std::int16_t*, std::size_t, const ValidAt&);
+template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, std::int16_t*, std::size_t,
+                                     const ValidAt&);
 template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, float*, std::size_t, const ValidAt&);
 template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, double*, std::size_t, const ValidAt&);
 

@@ -10,8 +10,8 @@
 namespace talus {
 namespace {
 
-constexpr double kSteep = 50;             // metres from 0 in one cell: rare at coasts
-constexpr std::uint64_t kFewest = 16;     // edges that make a case
+constexpr double kSteep = 50;          // metres from 0 in one cell: rare at coasts
+constexpr std::uint64_t kFewest = 16;  // edges that make a case
 constexpr std::array kLowest{-9999.0, -99999.0, -32768.0, -32767.0, -10000.0, -999.0};
 constexpr std::array kHighest{32767.0, 65535.0, 9999.0, 99999.0};
 
@@ -38,8 +38,9 @@ void count_zero_edges(const Window& window, GridRect own, double metres_per_code
           const auto begin = static_cast<std::size_t>(row - window.region.first.row) * cols +
                              static_cast<std::size_t>(own.first.col - window.region.first.col);
           const auto end = begin + static_cast<std::size_t>(own.cols());
-          if (std::find(codes.begin() + static_cast<std::ptrdiff_t>(begin), codes.begin() + static_cast<std::ptrdiff_t>(end), 0) ==
-              codes.begin() + static_cast<std::ptrdiff_t>(end))
+          if (std::find(codes.begin() + static_cast<std::ptrdiff_t>(begin),
+                        codes.begin() + static_cast<std::ptrdiff_t>(end),
+                        0) == codes.begin() + static_cast<std::ptrdiff_t>(end))
             continue;
           for (std::size_t i = begin; i < end; ++i) {
             if (codes[i] != 0) continue;
@@ -57,20 +58,24 @@ std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroE
                                      bool all_declare) {
   std::vector<std::string> doubts;
   const auto remedy = [&](double value) {
-    return all_declare ? fmt::format("declare it in the files, which state another void value (gdal_translate -a_nodata {}), and "
-                                     "ingest again",
-                                     value)
-                       : fmt::format("ingest again with InputOptions::nodata {}", value);
+    return all_declare
+               ? fmt::format(
+                     "declare it in the files, which state another void value (gdal_translate -a_nodata {}), and "
+                     "ingest again",
+                     value)
+               : fmt::format("ingest again with InputOptions::nodata {}", value);
   };
   const auto doubt = [&](const char* which, double value) {
-    doubts.push_back(fmt::format("the {} height is {} {}, which often means no data; if it does, {}", which, value, unit, remedy(value)));
+    doubts.push_back(fmt::format("the {} height is {} {}, which often means no data; if it does, {}", which, value,
+                                 unit, remedy(value)));
   };
   if (is_one_of(minimum, kLowest)) doubt("lowest", minimum);
   if (is_one_of(maximum, kHighest)) doubt("highest", maximum);
   if (minimum == 0 && edges.all >= kFewest && 2 * edges.steep >= edges.all) {
-    doubts.push_back(fmt::format("the lowest height is 0, and beside it the ground mostly lies {} m and more higher; if 0 means "
-                                 "no data, {}",
-                                 kSteep, remedy(0)));
+    doubts.push_back(
+        fmt::format("the lowest height is 0, and beside it the ground mostly lies {} m and more higher; if 0 means "
+                    "no data, {}",
+                    kSteep, remedy(0)));
   }
   return doubts;
 }

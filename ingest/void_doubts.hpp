@@ -20,7 +20,7 @@ void count_zero_edges(const Window& window, GridRect own, double metres_per_code
 /// Sentences; none where nothing is doubtful. Heights in the vertical unit.
 ///
 /// all_declare  every input declares a void value, so that InputOptions::nodata is for none of them
-[[nodiscard]] std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges, const std::string& unit,
-                                                   bool all_declare);
+[[nodiscard]] std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges,
+                                                   const std::string& unit, bool all_declare);
 
 }  // namespace talus

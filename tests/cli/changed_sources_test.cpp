@@ -55,9 +55,10 @@ class ChangedSource : public Command {
     make_hdr(stem, 0);
   }
   void make_hdr(const std::string& stem, int ulxmap) const {
-    std::ofstream(folder / (stem + ".hdr")) << "NROWS 1500\nNCOLS 2300\nNBANDS 1\nNBITS 16\nPIXELTYPE SIGNEDINT\nBYTEORDER I\n"
-                                               "LAYOUT BIL\nULXMAP "
-                                            << ulxmap << "\nULYMAP 1500\nXDIM 1\nYDIM 1\n";
+    std::ofstream(folder / (stem + ".hdr"))
+        << "NROWS 1500\nNCOLS 2300\nNBANDS 1\nNBITS 16\nPIXELTYPE SIGNEDINT\nBYTEORDER I\n"
+           "LAYOUT BIL\nULXMAP "
+        << ulxmap << "\nULYMAP 1500\nXDIM 1\nYDIM 1\n";
   }
 
   /// --resume after `change` names `file`, and no database comes of it.
@@ -80,21 +81,28 @@ class ChangedSource : public Command {
 TEST_F(ChangedSource, IsNamedByResumeWhateverFileBehindTheInputItIs) {
   const auto write = [&](const std::string& name, double by) { write_raster(higher(by), folder / name); };
   write("plain.tif", 0);
-  expect_refused("plain.tif", [&] { write("plain.tif", 500); }, "plain.tif");
+  expect_refused(
+      "plain.tif", [&] { write("plain.tif", 500); }, "plain.tif");
 
   write("source.tif", 0);
   make_vrt("one.vrt", "source.tif");
-  expect_refused("one.vrt", [&] { write("source.tif", 500); }, "source.tif");
+  expect_refused(
+      "one.vrt", [&] { write("source.tif", 500); }, "source.tif");
   make_vrt("two.vrt", "one.vrt");
-  expect_refused("two.vrt", [&] { write("source.tif", 1); }, "source.tif");
-  expect_refused("two.vrt", [&] { write("other.tif", 0), make_vrt("one.vrt", "other.tif"); }, "one.vrt");
+  expect_refused(
+      "two.vrt", [&] { write("source.tif", 1); }, "source.tif");
+  expect_refused(
+      "two.vrt", [&] { write("other.tif", 0), make_vrt("one.vrt", "other.tif"); }, "one.vrt");
 
   make_bil("raw", raster);
-  expect_refused("raw.bil", [&] { make_bil("raw", higher(500)); }, "raw.bil");
-  expect_refused("raw.bil", [&] { make_hdr("raw", 100); }, "raw.hdr");
+  expect_refused(
+      "raw.bil", [&] { make_bil("raw", higher(500)); }, "raw.bil");
+  expect_refused(
+      "raw.bil", [&] { make_hdr("raw", 100); }, "raw.hdr");
   make_hdr("raw", 0);
   const std::string crs = R"(LOCAL_CS["elsewhere",UNIT["metre",1]])";
-  expect_refused("raw.bil", [&] { write_bytes(folder / "raw.prj", crs); }, "raw.prj");
+  expect_refused(
+      "raw.bil", [&] { write_bytes(folder / "raw.prj", crs); }, "raw.prj");
 }
 
 TEST_F(ChangedSource, SideFilesCount) {
@@ -103,19 +111,23 @@ TEST_F(ChangedSource, SideFilesCount) {
     std::ofstream(folder / "side.tif.aux.xml") << "<PAMDataset><PAMRasterBand band=\"1\"><Metadata><MDI key=\"NOTE\">"
                                                << minimum << "</MDI></Metadata></PAMRasterBand></PAMDataset>";
   };
-  expect_refused("side.tif", [&] { statistics(100); }, "side.tif.aux.xml");  // it has come
-  expect_refused("side.tif", [&] { statistics(1000); }, "side.tif.aux.xml");  // it has changed
-  expect_refused("side.tif", [&] { fs::remove(folder / "side.tif.aux.xml"); }, "side.tif.aux.xml");  // it is gone
+  expect_refused(
+      "side.tif", [&] { statistics(100); }, "side.tif.aux.xml");  // it has come
+  expect_refused(
+      "side.tif", [&] { statistics(1000); }, "side.tif.aux.xml");  // it has changed
+  expect_refused(
+      "side.tif", [&] { fs::remove(folder / "side.tif.aux.xml"); }, "side.tif.aux.xml");  // it is gone
   Terrain mask = raster;
   for (std::size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = i % 7 == 0 ? 0 : 255;
   RasterOptions bytes;
   bytes.type = SampleType::uint8;
-  expect_refused("side.tif",
-                 [&] {
-                   write_raster(mask, folder / "mask.tif", bytes);
-                   fs::rename(folder / "mask.tif", folder / "side.tif.msk");
-                 },
-                 "side.tif.msk");
+  expect_refused(
+      "side.tif",
+      [&] {
+        write_raster(mask, folder / "mask.tif", bytes);
+        fs::rename(folder / "mask.tif", folder / "side.tif.msk");
+      },
+      "side.tif.msk");
 }
 
 TEST_F(ChangedSource, OtherTimesOverTheSameBytesChangeNothing) {
@@ -151,7 +163,8 @@ TEST_F(ChangedSource, IsNoticedWhenItIsRewrittenDuringTheIngest) {
 
 TEST_F(ChangedSource, ThatHasOnlyNewTimesDoesNotStopTheIngest) {
   make_raster("source.tif");
-  const Outcome outcome = until_a_tile_is_done("source.tif", "touch source.tif; cp source.tif b.tif; mv b.tif source.tif");
+  const Outcome outcome =
+      until_a_tile_is_done("source.tif", "touch source.tif; cp source.tif b.tif; mv b.tif source.tif");
   EXPECT_EQ(outcome.exit_code, done) << said();
   EXPECT_EQ(talus({"verify", "a.talus", "--against", "source.tif"}).exit_code, done);
 }

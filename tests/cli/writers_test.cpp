@@ -41,7 +41,9 @@ class Writers : public Command {
     const Snapshot now = Database::open(folder / database).snapshot();
     return now.samples(now.description().extent).values;
   }
-  std::size_t at(int col, int row) const { return static_cast<std::size_t>(row) * 2300 + static_cast<std::size_t>(col); }
+  std::size_t at(int col, int row) const {
+    return static_cast<std::size_t>(row) * 2300 + static_cast<std::size_t>(col);
+  }
   unsigned mode_of(const std::string& name) const {
     struct stat about {};
     EXPECT_EQ(::lstat((folder / name).c_str(), &about), 0);
@@ -123,16 +125,18 @@ TEST_F(Writers, InfoListsVertexCountsOnce) {
   }
   make_part(raster, 20, 30, 50, 50, "b.tif");
   ASSERT_EQ(talus({"ingest", "--update", "b.tif", "a.talus"}).exit_code, done);
-  EXPECT_EQ(json_of(talus({"info", "--json", "a.talus"}))["vertices_above"], first) << "the heights are the first again";
+  EXPECT_EQ(json_of(talus({"info", "--json", "a.talus"}))["vertices_above"], first)
+      << "the heights are the first again";
 }
 
 TEST_F(Writers, RatesAfterResumeCountWhatWasDoneNow) {
   make_raster("base.tif");
   RunOptions options;
   options.folder = folder.path().string();
-  const std::string start = "rm -f said; " + std::string(TALUS_PROGRAM) +
-                            " ingest base.tif a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
-                            "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; kill -INT $!; wait $!";
+  const std::string start =
+      "rm -f said; " + std::string(TALUS_PROGRAM) +
+      " ingest base.tif a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
+      "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; kill -INT $!; wait $!";
   for (int again = 0; again < 20 && run_program({"sh", "-c", start}, options).exit_code != 130; ++again)
     fs::remove(folder / "a.talus");
   ASSERT_TRUE(fs::exists(folder / "a.talus.part"));
@@ -189,9 +193,9 @@ TEST_F(Writers, ModeAndOwnerAreKept) {
     ASSERT_EQ(::chmod((folder / "a.talus").c_str(), mode), 0);
     const bool is_given_away = ::geteuid() == 0 && ::chown((folder / "a.talus").c_str(), 1234, 5678) == 0;
     ASSERT_EQ(::chmod((folder / "a.talus").c_str(), mode), 0);
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"ingest", "--update", "b.tif", "a.talus"}, {"compact", "a.talus"},
-          {"ingest", "--overwrite", "base.tif", "a.talus"}}) {
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"ingest", "--update", "b.tif", "a.talus"},
+                                                    {"compact", "a.talus"},
+                                                    {"ingest", "--overwrite", "base.tif", "a.talus"}}) {
       EXPECT_EQ(talus(command).exit_code, done);
       EXPECT_EQ(mode_of("a.talus"), mode) << command[1];
       struct stat about {};
@@ -210,10 +214,11 @@ TEST_F(Writers, AWriteProtectedDatabaseIsLeftAlone) {
   for (const unsigned mode : {0444u, 0400u, 0555u}) {
     ASSERT_EQ(::chmod((folder / "a.talus").c_str(), mode), 0);
     const auto before = contents();
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"ingest", "--update", "b.tif", "a.talus"}, {"compact", "a.talus"},
-          {"ingest", "--update", "--dry-run", "b.tif", "a.talus"}, {"ingest", "--overwrite", "base.tif", "a.talus"},
-          {"ingest", "--overwrite", "--dry-run", "base.tif", "a.talus"}}) {
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"ingest", "--update", "b.tif", "a.talus"},
+                                                    {"compact", "a.talus"},
+                                                    {"ingest", "--update", "--dry-run", "b.tif", "a.talus"},
+                                                    {"ingest", "--overwrite", "base.tif", "a.talus"},
+                                                    {"ingest", "--overwrite", "--dry-run", "base.tif", "a.talus"}}) {
       expect_refusal(talus(command), {failed}, {"a.talus", "write-protected"});
     }
     EXPECT_EQ(contents(), before);
@@ -257,12 +262,13 @@ TEST_F(Writers, EveryDryRunLooksAtTheTarget) {
   options.folder = folder.path().string();
   if (run_program({"unshare", "-rm", "sh", "-c", mount}, options).exit_code != 0)
     GTEST_SKIP() << "a small file system cannot be mounted here";
-  const Outcome full =
-      run_program({"unshare", "-rm", "sh", "-c", mount + "; " + TALUS_PROGRAM + " ingest --dry-run base.tif small/c.talus"},
-                  options);
+  const Outcome full = run_program(
+      {"unshare", "-rm", "sh", "-c", mount + "; " + TALUS_PROGRAM + " ingest --dry-run base.tif small/c.talus"},
+      options);
   expect_refusal(full, {disk_full}, {"c.talus", "MB"});
   const Outcome closed = run_program(
-      {"unshare", "-rm", "sh", "-c", mount + " -r; " + TALUS_PROGRAM + " ingest --dry-run base.tif small/c.talus"}, options);
+      {"unshare", "-rm", "sh", "-c", mount + " -r; " + TALUS_PROGRAM + " ingest --dry-run base.tif small/c.talus"},
+      options);
   expect_refusal(closed, {failed}, {"c.talus"});
 }
 
@@ -270,7 +276,8 @@ TEST_F(Writers, EveryDryRunLooksAtTheTarget) {
 
 TEST_F(Writers, TwoUpdatesAtOnceLoseNothing) {
   make_part(higher(100), 0, 0, 2000, 900, "west.tif");
-  fs::create_directory(folder / "middle");  // many files: looking at them takes a while, which is when things went wrong
+  fs::create_directory(folder /
+                       "middle");  // many files: looking at them takes a while, which is when things went wrong
   const Terrain by_200 = higher(200);
   for (int y = 0; y < 15; ++y) {
     for (int x = 0; x < 15; ++x)
@@ -316,7 +323,8 @@ TEST_F(Writers, TwoUpdatesAtOnceLoseNothing) {
     if (both > 0 || i % 4 == 0) {
       EXPECT_EQ(talus({"verify", "a.talus"}).exit_code, done) << "run " << i;
     }
-    EXPECT_EQ(json_of(talus({"info", "--json", "a.talus"}))["sources"].size(), 1u + (west ? 1 : 0) + (middle ? 225 : 0));
+    EXPECT_EQ(json_of(talus({"info", "--json", "a.talus"}))["sources"].size(),
+              1u + (west ? 1 : 0) + (middle ? 225 : 0));
     EXPECT_FALSE(fs::exists(folder / "a.talus.part"));
   }
   std::printf("%d of %d pairs were both done\n", both, kRuns);
@@ -369,9 +377,10 @@ TEST_F(Writers, ADamagedPartFileIsNeverResumedToAWrongDatabase) {
   const auto whole = pages_of(folder / "whole.talus");
   RunOptions options;
   options.folder = folder.path().string();
-  const std::string start = "rm -f said; " + std::string(TALUS_PROGRAM) +
-                            " ingest base.tif a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
-                            "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; kill -INT $!; wait $!";
+  const std::string start =
+      "rm -f said; " + std::string(TALUS_PROGRAM) +
+      " ingest base.tif a.talus --threads 1 --memory 300MiB --progress=json 2>said & "
+      "while ! grep -q '\"samples\":[1-9]' said 2>/dev/null; do sleep 0.005; done; kill -INT $!; wait $!";
   for (int again = 0; again < 20 && run_program({"sh", "-c", start}, options).exit_code != 130; ++again)
     fs::remove(folder / "a.talus");
   const std::string part = bytes_of(folder / "a.talus.part");
@@ -382,12 +391,17 @@ TEST_F(Writers, ADamagedPartFileIsNeverResumedToAWrongDatabase) {
   for (int i = 0; i < 100; ++i) {
     std::string bad = part;
     const std::size_t pages = part.size() / kPage;
-    const auto some_page = [&] { return static_cast<std::size_t>(random.between(0, static_cast<int>(pages) - 1)) * kPage; };
-    if (i % 4 == 0) bad[some_page() + static_cast<std::size_t>(random.between(0, 4095))] ^= static_cast<char>(1 << random.between(0, 7));
+    const auto some_page = [&] {
+      return static_cast<std::size_t>(random.between(0, static_cast<int>(pages) - 1)) * kPage;
+    };
+    if (i % 4 == 0)
+      bad[some_page() + static_cast<std::size_t>(random.between(0, 4095))] ^=
+          static_cast<char>(1 << random.between(0, 7));
     if (i % 4 == 1) std::fill_n(bad.begin() + static_cast<std::ptrdiff_t>(some_page()), kPage, '\0');
     if (i % 4 == 2) {
       const std::size_t a = some_page(), b = some_page();
-      std::swap_ranges(bad.begin() + static_cast<std::ptrdiff_t>(a), bad.begin() + static_cast<std::ptrdiff_t>(a + kPage),
+      std::swap_ranges(bad.begin() + static_cast<std::ptrdiff_t>(a),
+                       bad.begin() + static_cast<std::ptrdiff_t>(a + kPage),
                        bad.begin() + static_cast<std::ptrdiff_t>(b));
     }
     if (i % 4 == 3) bad.resize(static_cast<std::size_t>(random.between(1, static_cast<int>(part.size()) - 1)));

@@ -49,7 +49,8 @@ class PlainReading : public ::testing::Test {
     values[cell] = 0;
     return values;
   }
-  [[nodiscard]] SampleWindow read(const std::vector<std::filesystem::path>& files, const InputOptions& rules = {}) const {
+  [[nodiscard]] SampleWindow read(const std::vector<std::filesystem::path>& files,
+                                  const InputOptions& rules = {}) const {
     const PlainReader reader(files, rules, description, "a.talus");
     return reader.read(reader.extent());
   }

@@ -19,8 +19,8 @@ class Alpha : public Report {
   void warp_with_alpha(const std::string& from, const std::string& to) const {
     CPLStringList words;
     for (const char* word : {"-t_srs", "EPSG:3035", "-dstalpha"}) words.AddString(word);
-    const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(GDALWarpAppOptionsNew(words.List(), nullptr),
-                                                                                        GDALWarpAppOptionsFree);
+    const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(
+        GDALWarpAppOptionsNew(words.List(), nullptr), GDALWarpAppOptionsFree);
     GDALDatasetH source = GDALOpen((folder / from).c_str(), GA_ReadOnly);
     GDALDatasetH made = GDALWarp((folder / to).c_str(), nullptr, 1, &source, options.get(), nullptr);
     ASSERT_NE(made, nullptr) << CPLGetLastErrorMsg();
@@ -128,11 +128,14 @@ TEST_F(Alpha, AVirtualRasterThatInterpolatesTransparentSourcesIsRefused) {
               "<VRTDataset rasterXSize=\"80\" rasterYSize=\"80\"><GeoTransform>500000,5,0,5600400,0,-5</GeoTransform>"
               "<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource resampling=\"bilinear\">"
               "<SourceFilename relativeToVRT=\"1\">t.tif</SourceFilename><SourceBand>1</SourceBand>"
-              "<SrcRect xOff=\"0\" yOff=\"0\" xSize=\"40\" ySize=\"40\"/><DstRect xOff=\"0\" yOff=\"0\" xSize=\"80\" ySize=\"80\"/>"
+              "<SrcRect xOff=\"0\" yOff=\"0\" xSize=\"40\" ySize=\"40\"/><DstRect xOff=\"0\" yOff=\"0\" xSize=\"80\" "
+              "ySize=\"80\"/>"
               "</SimpleSource></VRTRasterBand>"
-              "<VRTRasterBand dataType=\"Float32\" band=\"2\"><ColorInterp>Alpha</ColorInterp><SimpleSource resampling=\"bilinear\">"
+              "<VRTRasterBand dataType=\"Float32\" band=\"2\"><ColorInterp>Alpha</ColorInterp><SimpleSource "
+              "resampling=\"bilinear\">"
               "<SourceFilename relativeToVRT=\"1\">t.tif</SourceFilename><SourceBand>2</SourceBand>"
-              "<SrcRect xOff=\"0\" yOff=\"0\" xSize=\"40\" ySize=\"40\"/><DstRect xOff=\"0\" yOff=\"0\" xSize=\"80\" ySize=\"80\"/>"
+              "<SrcRect xOff=\"0\" yOff=\"0\" xSize=\"40\" ySize=\"40\"/><DstRect xOff=\"0\" yOff=\"0\" xSize=\"80\" "
+              "ySize=\"80\"/>"
               "</SimpleSource></VRTRasterBand></VRTDataset>");
   expect_refusal(ingest({"i.vrt", "i.talus"}), {failed}, {"i.vrt", "interpolates"});
 }

@@ -44,7 +44,8 @@ TEST_F(Colours, PicturesAreRefused) {
 
 // rasterio/rasterio#2257: imagery of four bands whose last is no alpha.
 TEST_F(Colours, OneBandOfColourAmongOthersIsEnough) {
-  for (const GDALColorInterp meaning : {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_HueBand, GCI_CyanBand, GCI_YCbCr_YBand}) {
+  for (const GDALColorInterp meaning :
+       {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_HueBand, GCI_CyanBand, GCI_YCbCr_YBand}) {
     SCOPED_TRACE(GDALGetColorInterpretationName(meaning));
     write("mixed.tif", {slope(), with_meaning(slope(), meaning), slope(), slope()}, {.type = GDT_UInt16});
     if (cells_of(folder / "mixed.tif").cols != kSide) continue;
@@ -66,8 +67,8 @@ TEST_F(Colours, PalettesAreRefused) {
     memory->GetRasterBand(1)->SetColorInterpretation(GCI_PaletteIndex);
     memory->GetRasterBand(1)->SetColorTable(&table);
     for (const auto& [driver, name] : {std::pair("GTiff", "palette.tif"), std::pair("PNG", "palette.png")}) {
-      GDALClose(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy((folder / name).c_str(), memory.get(), 0, nullptr,
-                                                                            nullptr, nullptr));
+      GDALClose(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy((folder / name).c_str(), memory.get(), 0,
+                                                                            nullptr, nullptr, nullptr));
     }
   }
   expect_refusal(ingest({"palette.tif", "c.talus"}), {failed}, {"palette.tif", "palette"});
@@ -84,13 +85,16 @@ TEST_F(Colours, TerrainRgbIsDecoded) {
     const Outcome outcome = ingest({name, "t.talus", "--decode", "terrain-rgb"});
     ASSERT_EQ(outcome.exit_code, done) << outcome.err;
     const Cells cells = cells_of_database(folder / "t.talus");
-    for (std::size_t i = 0; i < numbers.samples.size(); ++i) ASSERT_EQ(cells.heights[i], -10000 + numbers.samples[i] * 0.1) << i;
+    for (std::size_t i = 0; i < numbers.samples.size(); ++i)
+      ASSERT_EQ(cells.heights[i], -10000 + numbers.samples[i] * 0.1) << i;
   }
 }
 
-// protomaps/PMTiles#660, Yucareux/Tellus#7: height = R·256 + G + B/256 − 32768; transparent and black cells are no heights.
+// protomaps/PMTiles#660, Yucareux/Tellus#7: height = R·256 + G + B/256 − 32768; transparent and black cells are no
+// heights.
 TEST_F(Colours, TerrariumIsDecodedAndBlackCanBeVoid) {
-  Band numbers = slope([](int col, int row) { return 256 * (32768 + 100 + col) + 13 * row; }), alpha = constant(255, GCI_AlphaBand);
+  Band numbers = slope([](int col, int row) { return 256 * (32768 + 100 + col) + 13 * row; }),
+       alpha = constant(255, GCI_AlphaBand);
   burn(numbers, 2, 2, 0);
   burn(alpha, 25, 25, 0);
   std::vector<Band> bands = in_bytes(numbers);
@@ -101,7 +105,8 @@ TEST_F(Colours, TerrariumIsDecodedAndBlackCanBeVoid) {
   const Cells cells = cells_of_database(folder / "t.talus");
   for (int row = 0; row < kSide; ++row) {
     for (int col = 0; col < kSide; ++col) {
-      const bool is_void = (col >= 2 && col < 12 && row >= 2 && row < 12) || (col >= 25 && col < 35 && row >= 25 && row < 35);
+      const bool is_void =
+          (col >= 2 && col < 12 && row >= 2 && row < 12) || (col >= 25 && col < 35 && row >= 25 && row < 35);
       if (is_void) {
         ASSERT_EQ(cells.at(col, row), std::nullopt) << col << " " << row;
       } else {
@@ -127,7 +132,8 @@ TEST_F(Colours, WhatIsNoPictureOfBytesIsNotDecoded) {
   write("one.tif", {slope()}, bytes());
   write("wide.tif", {slope(), slope(), slope()}, {.type = GDT_UInt16});
   expect_refusal(ingest({"one.tif", "c.talus", "--decode", "terrarium"}), {usage}, {"one.tif", "three bands of bytes"});
-  expect_refusal(ingest({"wide.tif", "c.talus", "--decode", "terrarium"}), {usage}, {"wide.tif", "three bands of bytes"});
+  expect_refusal(ingest({"wide.tif", "c.talus", "--decode", "terrarium"}), {usage},
+                 {"wide.tif", "three bands of bytes"});
   expect_refusal(ingest({"one.tif", "c.talus", "--decode", "mapbox"}), {usage}, {"--decode", "mapbox"});
 }
 

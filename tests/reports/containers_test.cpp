@@ -19,16 +19,19 @@ class Containers : public Report {
     if (GetGDALDriverManager()->GetDriverByName("netCDF") == nullptr) GTEST_SKIP() << "this GDAL has no netCDF driver";
   }
   /// A netCDF file with a variable a band.
-  void write_nc(const std::string& name, const std::vector<std::pair<std::string, Band>>& variables, const char* format) const {
+  void write_nc(const std::string& name, const std::vector<std::pair<std::string, Band>>& variables,
+                const char* format) const {
     std::vector<Band> bands;
     for (const auto& [variable, band] : variables) bands.push_back(band);
     write("source.tif", bands, {.crs = "EPSG:4326", .geotransform = {{8, 0.01, 0, 47, 0, -0.01}}});
-    const std::unique_ptr<GDALDataset> source(GDALDataset::Open((folder / "source.tif").c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+    const std::unique_ptr<GDALDataset> source(
+        GDALDataset::Open((folder / "source.tif").c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
     for (std::size_t i = 0; i < variables.size(); ++i)
       source->GetRasterBand(static_cast<int>(i) + 1)->SetMetadataItem("NETCDF_VARNAME", variables[i].first.c_str());
     const std::string word = std::string("FORMAT=") + format;
     char* words[] = {const_cast<char*>(word.c_str()), nullptr};
-    GDALClose(GetGDALDriverManager()->GetDriverByName("netCDF")->CreateCopy((folder / name).c_str(), source.get(), 0, words, nullptr, nullptr));
+    GDALClose(GetGDALDriverManager()->GetDriverByName("netCDF")->CreateCopy((folder / name).c_str(), source.get(), 0,
+                                                                            words, nullptr, nullptr));
   }
 };
 

@@ -39,10 +39,11 @@ class Longitudes : public Report {
 TEST_F(Longitudes, TilesOnBothSidesOfTheAntimeridianAreOneWhateverTheOrder) {
   write_tile("west.tif", 179, 1000);
   write_tile("east.tif", -180, 3000);
-  for (const auto& how : std::vector<std::vector<std::vector<std::string>>>{{{"west.tif", "east.tif", "d.talus"}},
-                                                                            {{"east.tif", "west.tif", "d.talus"}},
-                                                                            {{"west.tif", "d.talus"}, {"east.tif", "d.talus", "--update"}},
-                                                                            {{"east.tif", "d.talus"}, {"west.tif", "d.talus", "--update"}}}) {
+  for (const auto& how : std::vector<std::vector<std::vector<std::string>>>{
+           {{"west.tif", "east.tif", "d.talus"}},
+           {{"east.tif", "west.tif", "d.talus"}},
+           {{"west.tif", "d.talus"}, {"east.tif", "d.talus", "--update"}},
+           {{"east.tif", "d.talus"}, {"west.tif", "d.talus", "--update"}}}) {
     for (std::size_t i = 0; i < how.size(); ++i) {
       std::vector<std::string> words = how[i];
       words.insert(words.begin(), "ingest");
@@ -62,8 +63,8 @@ TEST_F(Longitudes, TilesOnBothSidesOfTheAntimeridianAreOneWhateverTheOrder) {
 // tilezen/joerd#164 and others count from 0 to 360 and from −180 to 180.
 TEST_F(Longitudes, APartOfTheGlobeLandsWhereItBelongsWhicheverWayItIsWritten) {
   write_globe("globe.tif", 0, 10);
-  write_part("part.tif", -20, 15, 500);      // 340 to 355
-  write_part("across.tif", -3, 6, 700);      // 357 to 363: both ends of the globe
+  write_part("part.tif", -20, 15, 500);  // 340 to 355
+  write_part("across.tif", -3, 6, 700);  // 357 to 363: both ends of the globe
   for (const auto& how : std::vector<std::vector<std::vector<std::string>>>{
            {{"globe.tif", "part.tif", "across.tif", "d.talus"}},
            {{"globe.tif", "d.talus"}, {"part.tif", "across.tif", "d.talus", "--update"}}}) {
@@ -114,8 +115,10 @@ TEST_F(Longitudes, ResampledTilesMeetAtTheAntimeridian) {
       east.samples.push_back(1300 + 3 * col + row);
     }
   }
-  write_bands(folder / "west.tif", 100, 100, {west}, {.crs = "EPSG:4326", .geotransform = {{179, 0.01, 0, 52, 0, -0.01}}});
-  write_bands(folder / "east.tif", 100, 100, {east}, {.crs = "EPSG:4326", .geotransform = {{-180, 0.01, 0, 52, 0, -0.01}}});
+  write_bands(folder / "west.tif", 100, 100, {west},
+              {.crs = "EPSG:4326", .geotransform = {{179, 0.01, 0, 52, 0, -0.01}}});
+  write_bands(folder / "east.tif", 100, 100, {east},
+              {.crs = "EPSG:4326", .geotransform = {{-180, 0.01, 0, 52, 0, -0.01}}});
   const Outcome outcome = talus({"ingest", "west.tif", "east.tif", "d.talus", "--tr", "0.004,0.004"});
   ASSERT_EQ(outcome.exit_code, done) << outcome.err;
   const Cells cells = cells_of_database(folder / "d.talus");

@@ -15,10 +15,13 @@ using ::testing::HasSubstr;
 
 class Outsiders : public Report {
  protected:
-  void write_vrt(const std::string& name, const std::string& source, const std::string& inside = "", const std::string& band = "") const {
-    write_bytes(folder / name,
-                "<VRTDataset rasterXSize=\"40\" rasterYSize=\"40\"><GeoTransform>500000,10,0,5600400,0,-10</GeoTransform>"
-                "<VRTRasterBand dataType=\"Float32\" band=\"1\">" + band + source + inside + "</VRTRasterBand></VRTDataset>");
+  void write_vrt(const std::string& name, const std::string& source, const std::string& inside = "",
+                 const std::string& band = "") const {
+    write_bytes(
+        folder / name,
+        "<VRTDataset rasterXSize=\"40\" rasterYSize=\"40\"><GeoTransform>500000,10,0,5600400,0,-10</GeoTransform>"
+        "<VRTRasterBand dataType=\"Float32\" band=\"1\">" +
+            band + source + inside + "</VRTRasterBand></VRTDataset>");
   }
   static std::string source(const std::string& file, const std::string& attributes = "", const std::string& inside = "",
                             const char* kind = "SimpleSource") {
@@ -26,7 +29,8 @@ class Outsiders : public Report {
            "</SourceFilename><SourceBand>1</SourceBand>" + inside + "</" + kind + ">";
   }
   void write_asc(const std::string& rows) const {
-    write_bytes(folder / "a.asc", "ncols 4\nnrows 2\nxllcorner 7\nyllcorner 46\ncellsize 0.5\nnodata_value -9999\n" + rows);
+    write_bytes(folder / "a.asc",
+                "ncols 4\nnrows 2\nxllcorner 7\nyllcorner 46\ncellsize 0.5\nnodata_value -9999\n" + rows);
   }
 };
 
@@ -49,10 +53,13 @@ TEST_F(Outsiders, AVirtualRasterThatDropsAlphaMaskOrVoidValueIsRefused) {
   write("holes.tif", {holes}, {.nodata = -9999});
   write_vrt("a.vrt", source("alpha.tif"));
   write_vrt("b.vrt", source("alpha.tif", " resampling=\"bilinear\""));
-  write_vrt("c.vrt", source("holes.tif", "", "<ScaleRatio>0.5</ScaleRatio><ScaleOffset>100</ScaleOffset>", "ComplexSource"));
+  write_vrt("c.vrt",
+            source("holes.tif", "", "<ScaleRatio>0.5</ScaleRatio><ScaleOffset>100</ScaleOffset>", "ComplexSource"));
   write_vrt("d.vrt", source("a.vrt"));
-  for (const char* name : {"a.vrt", "b.vrt", "c.vrt", "d.vrt"}) expect_refusal(ingest({name, "d.talus"}), {failed}, {name});
-  write_vrt("good.vrt", source("holes.tif", "", "<NODATA>-9999</NODATA>", "ComplexSource"), "", "<NoDataValue>-9999</NoDataValue>");
+  for (const char* name : {"a.vrt", "b.vrt", "c.vrt", "d.vrt"})
+    expect_refusal(ingest({name, "d.talus"}), {failed}, {name});
+  write_vrt("good.vrt", source("holes.tif", "", "<NODATA>-9999</NODATA>", "ComplexSource"), "",
+            "<NoDataValue>-9999</NoDataValue>");
   expect_as_gdal_reads("good.vrt", 100);
 }
 
@@ -65,8 +72,8 @@ TEST_F(Outsiders, ColoursInAnotherOrderWithScaleOrCompressedWithLossAreNotDecode
   {
     const std::unique_ptr<GDALDataset> rgb(GDALDataset::Open((folder / "rgb.tif").c_str(), GDAL_OF_RASTER));
     const char* words[] = {"COMPRESS=JPEG", nullptr};
-    GDALClose(GetGDALDriverManager()->GetDriverByName("GTiff")->CreateCopy((folder / "jpeg.tif").c_str(), rgb.get(), 0,
-                                                                           const_cast<char**>(words), nullptr, nullptr));
+    GDALClose(GetGDALDriverManager()->GetDriverByName("GTiff")->CreateCopy(
+        (folder / "jpeg.tif").c_str(), rgb.get(), 0, const_cast<char**>(words), nullptr, nullptr));
   }
   expect_refusal(ingest({"jpeg.tif", "d.talus", "--decode", "terrarium"}), {failed}, {"jpeg.tif", "JPEG"});
 }
@@ -76,8 +83,8 @@ TEST_F(Outsiders, AsciiGridsHaveAsManyNumbersAsTheySay) {
   EXPECT_EQ(ingest({"a.asc", "d.talus"}).exit_code, done);
   write_asc("+1 2e0 -9999 4\n5\t6 7 nan");
   EXPECT_EQ(ingest({"a.asc", "d.talus"}).exit_code, done);
-  for (const char* rows : {"1 nodata 3 4\n5 6 7 8\n", "1 inf 3 4\n5 6 7 8\n", "1 2 3 4\n5 6 7\n", "1.5D+02 2 3 4\n5 6 7 8\n",
-                           "1 2 3 4\n5 6 7 8\n9 10 11 12\n", "1,5 2 3 4\n5 6 7 8\n", ""}) {
+  for (const char* rows : {"1 nodata 3 4\n5 6 7 8\n", "1 inf 3 4\n5 6 7 8\n", "1 2 3 4\n5 6 7\n",
+                           "1.5D+02 2 3 4\n5 6 7 8\n", "1 2 3 4\n5 6 7 8\n9 10 11 12\n", "1,5 2 3 4\n5 6 7 8\n", ""}) {
     SCOPED_TRACE(rows);
     write_asc(rows);
     expect_refusal(ingest({"a.asc", "d.talus"}), {failed}, {"a.asc"});

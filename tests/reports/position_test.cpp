@@ -19,7 +19,8 @@ class Position : public Report {
   }
   /// Control points at the corners of the usual grid; the last one moved by so many metres.
   void add_control_points(const std::string& name, double moved) const {
-    const std::unique_ptr<GDALDataset> dataset(GDALDataset::Open((folder / name).c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
+    const std::unique_ptr<GDALDataset> dataset(
+        GDALDataset::Open((folder / name).c_str(), GDAL_OF_RASTER | GDAL_OF_UPDATE));
     std::vector<GDAL_GCP> points(4);
     GDALInitGCPs(4, points.data());
     for (int i = 0; i < 4; ++i) {
@@ -42,7 +43,8 @@ TEST_F(Position, ARasterWithoutPositionCountsItsSamplesAndSaysSo) {
   const Outcome outcome = ingest({"bare.tif", "b.talus", "--json"});
   ASSERT_EQ(outcome.exit_code, done) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("states no position: its samples count from 0,0"));
-  EXPECT_EQ(json_of(talus({"info", "b.talus", "--json"})).at("region"), nlohmann::json::parse("[0.5, -39.5, 39.5, -0.5]"));
+  EXPECT_EQ(json_of(talus({"info", "b.talus", "--json"})).at("region"),
+            nlohmann::json::parse("[0.5, -39.5, 39.5, -0.5]"));
 }
 
 // ASFHyP3/hyp3-isce2#82: a coordinate system and nothing that places the raster in it.
@@ -84,12 +86,14 @@ TEST_F(Position, OtherStatementsOfPositionAreNamed) {
   // opticks-org/opticks#461: the coefficients of a camera.
   write_bare("rpc.tif");
   write_bytes(folder / "rpc.tif.aux.xml",
-              "<PAMDataset><Metadata domain=\"RPC\"><MDI key=\"LINE_OFF\">20</MDI><MDI key=\"SAMP_OFF\">20</MDI></Metadata></PAMDataset>");
+              "<PAMDataset><Metadata domain=\"RPC\"><MDI key=\"LINE_OFF\">20</MDI><MDI "
+              "key=\"SAMP_OFF\">20</MDI></Metadata></PAMDataset>");
   expect_refusal(ingest({"rpc.tif", "g.talus"}), {failed}, {"rpc.tif", "RPC"});
 
   write_bare("arrays.tif");
-  write_bytes(folder / "arrays.tif.aux.xml",
-              "<PAMDataset><Metadata domain=\"GEOLOCATION\"><MDI key=\"X_DATASET\">x.tif</MDI></Metadata></PAMDataset>");
+  write_bytes(
+      folder / "arrays.tif.aux.xml",
+      "<PAMDataset><Metadata domain=\"GEOLOCATION\"><MDI key=\"X_DATASET\">x.tif</MDI></Metadata></PAMDataset>");
   expect_refusal(ingest({"arrays.tif", "g.talus"}), {failed}, {"arrays.tif", "GEOLOCATION"});
 }
 

@@ -13,7 +13,9 @@ class Report : public Command {
   static constexpr int kSide = 40;
 
   /// A slope of whole numbers from 100 to 217, or whatever `height` says.
-  static Band slope(const std::function<double(int col, int row)>& height = [](int col, int row) { return 100.0 + 2 * col + row; }) {
+  static Band slope(const std::function<double(int col, int row)>& height = [](int col, int row) {
+    return 100.0 + 2 * col + row;
+  }) {
     Band band;
     for (int row = 0; row < kSide; ++row) {
       for (int col = 0; col < kSide; ++col) band.samples.push_back(height(col, row));

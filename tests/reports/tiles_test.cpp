@@ -16,10 +16,13 @@ using ::testing::HasSubstr;
 class Tiles : public Report {
  protected:
   static BandsOptions at(int col, int row, const std::string& crs = "EPSG:25832") {
-    return {.type = GDT_Float32, .crs = crs, .geotransform = {{500000 + 10.0 * col, 10, 0, 5600400 - 10.0 * row, 0, -10}}};
+    return {
+        .type = GDT_Float32, .crs = crs, .geotransform = {{500000 + 10.0 * col, 10, 0, 5600400 - 10.0 * row, 0, -10}}};
   }
   /// A wavy surface over the whole grid, of which each tile is a part.
-  static double wave(int col, int row) { return std::round(100 * (300 + 80 * std::sin(col / 3.0) + 60 * std::cos(row / 2.5))) / 100; }
+  static double wave(int col, int row) {
+    return std::round(100 * (300 + 80 * std::sin(col / 3.0) + 60 * std::cos(row / 2.5))) / 100;
+  }
   void write_tile(const std::string& name, int col, int row, int cols, int rows) const {
     Band band;
     for (int r = row; r < row + rows; ++r) {
@@ -40,11 +43,13 @@ TEST_F(Tiles, ABrokenTileEndsTheWorkOrIsLeftOutIfAsked) {
     const char* said;
   };
   for (const auto& [name, bytes, said] :
-       {Broken{"t2.tif", "", "is empty"}, Broken{"t2.tif", "<html><body>404 Not Found</body></html>", "is not a raster"},
+       {Broken{"t2.tif", "", "is empty"},
+        Broken{"t2.tif", "<html><body>404 Not Found</body></html>", "is not a raster"},
         Broken{"t2.TIFF", "garbage", "is not a raster"}, Broken{"t2.bil", std::string(3200, 'x'), "is not a raster"},
         Broken{"t2.hgt", "PK\3\4 something", "is not a raster"}, Broken{"t2.asc", "no grid", "is not a raster"},
         Broken{"t2.hgt.gz", "\x1f\x8b\x08", "archive"}, Broken{"t2.zip", "PK\3\4", "archive"},
-        Broken{"t2.xyz", "500005 5600195 1\n500015 5600195 2\n500005 5600185 1\n500015 5600185 2\n", "--allow-driver XYZ"}}) {
+        Broken{"t2.xyz", "500005 5600195 1\n500015 5600195 2\n500005 5600185 1\n500015 5600185 2\n",
+               "--allow-driver XYZ"}}) {
     SCOPED_TRACE(name);
     write_bytes(folder / "t" / name, bytes);
     expect_refusal(ingest({"t", "t.talus"}), {failed}, {name, said, "--skip-broken"});
@@ -81,7 +86,9 @@ TEST_F(Tiles, SubfoldersAreNamedAndLookedIntoIfAsked) {
 TEST_F(Tiles, AListMayBeginWithAByteOrderMark) {
   write_tile("a.tif", 0, 0, 40, 20);
   write_tile("b.tif", 0, 20, 40, 20);
-  write_bytes(folder / "list.txt", "\xef\xbb\xbf" "a.tif\r\nb.tif\r\n");
+  write_bytes(folder / "list.txt",
+              "\xef\xbb\xbf"
+              "a.tif\r\nb.tif\r\n");
   EXPECT_EQ(json_of(ingest({"@list.txt", "l.talus", "--json"})).at("rows"), 40);
 }
 
@@ -120,10 +127,11 @@ TEST_F(Tiles, AVirtualRasterOfTilesElsewhereOpensWhereAllowed) {
   fs::create_directory(folder / "third");
   write_tile("elsewhere/deep/a.tif", 0, 0, 40, 40);
   const auto vrt = [&](const std::string& source) {
-    write_bytes(folder / "my.vrt",
-                "<VRTDataset rasterXSize=\"40\" rasterYSize=\"40\"><GeoTransform>500000,10,0,5600400,0,-10</GeoTransform>"
-                "<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"0\">" +
-                    source + "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>");
+    write_bytes(
+        folder / "my.vrt",
+        "<VRTDataset rasterXSize=\"40\" rasterYSize=\"40\"><GeoTransform>500000,10,0,5600400,0,-10</GeoTransform>"
+        "<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"0\">" +
+            source + "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>");
   };
   fs::create_directory(folder / "work");
   vrt((folder / "elsewhere/deep/a.tif").string());
@@ -134,7 +142,8 @@ TEST_F(Tiles, AVirtualRasterOfTilesElsewhereOpensWhereAllowed) {
   const Outcome opened = ingest({"work/my.vrt", "v.talus", "--allow-outside", "elsewhere"});
   EXPECT_EQ(opened.exit_code, done) << opened.err;
   EXPECT_EQ(different(cells_of_database(folder / "v.talus"), cells_of(folder / "work/my.vrt")), 0);
-  for (const char* other : {"/vsicurl/http://127.0.0.1:9/a.tif", "/vsizip/a.zip/a.tif", "http://127.0.0.1:9/a.tif", "<VRTDataset/>"}) {
+  for (const char* other :
+       {"/vsicurl/http://127.0.0.1:9/a.tif", "/vsizip/a.zip/a.tif", "http://127.0.0.1:9/a.tif", "<VRTDataset/>"}) {
     vrt(std::string(other) == "<VRTDataset/>" ? "&lt;VRTDataset/&gt;" : other);
     expect_refusal(ingest({"my.vrt", "v.talus", "--allow-outside", "/"}), {failed}, {"my.vrt"});
   }
@@ -153,9 +162,10 @@ TEST_F(Tiles, TilesOfOneGridAreLaidTogetherBeforeTheyAreResampled) {
   struct How {
     std::vector<std::string> words;
   };
-  for (const How& how : {How{{"--t-srs", "EPSG:3035"}}, How{{"--t-srs", "EPSG:3035", "--tr", "7,7"}}, How{{"--tr", "15,15"}},
-                         How{{"--tr", "4,6", "--resampling", "cubic"}}, How{{"--t-srs", "EPSG:4326", "--resampling", "near"}},
-                         How{{"--tr", "33,33", "--resampling", "average"}}}) {
+  for (const How& how :
+       {How{{"--t-srs", "EPSG:3035"}}, How{{"--t-srs", "EPSG:3035", "--tr", "7,7"}}, How{{"--tr", "15,15"}},
+        How{{"--tr", "4,6", "--resampling", "cubic"}}, How{{"--t-srs", "EPSG:4326", "--resampling", "near"}},
+        How{{"--tr", "33,33", "--resampling", "average"}}}) {
     SCOPED_TRACE(::testing::PrintToString(how.words));
     std::vector<std::string> whole{"whole.tif", "whole.talus"}, tiles{"t", "tiles.talus"};
     whole.insert(whole.end(), how.words.begin(), how.words.end());
@@ -178,7 +188,7 @@ TEST_F(Tiles, AnInputBetweenTilesKeepsItsPlaceInTheOrder) {
   const Outcome outcome = ingest({"west.tif", "flat.tif", "east.tif", "o.talus", "--tr", "5,5"});
   ASSERT_EQ(outcome.exit_code, done) << outcome.err;
   const Cells cells = cells_of_database(folder / "o.talus");
-  const int row = 28;                          // amid the flat one
+  const int row = 28;                           // amid the flat one
   EXPECT_NEAR(*cells.at(64, row), 1000, 1e-3);  // over the west
   EXPECT_LT(*cells.at(84, row), 500);           // below the east
 }

@@ -25,12 +25,15 @@ class VoidValues : public Report {
     }
     write_bytes(folder / (stem + ".flt"), bytes);
     write_bytes(folder / (stem + ".hdr"),
-                "ncols 40\nnrows 40\nxllcorner 500000\nyllcorner 5600000\ncellsize 10\nNODATA_value " + nodata + "\nbyteorder LSBFIRST\n");
+                "ncols 40\nnrows 40\nxllcorner 500000\nyllcorner 5600000\ncellsize 10\nNODATA_value " + nodata +
+                    "\nbyteorder LSBFIRST\n");
   }
   void write_asc(const std::string& name, const std::string& void_cell, const std::string& nodata) const {
-    std::string text = "ncols 40\nnrows 40\nxllcorner 500000\nyllcorner 5600000\ncellsize 10\nNODATA_value " + nodata + "\n";
+    std::string text =
+        "ncols 40\nnrows 40\nxllcorner 500000\nyllcorner 5600000\ncellsize 10\nNODATA_value " + nodata + "\n";
     for (int row = 0; row < kSide; ++row) {
-      for (int col = 0; col < kSide; ++col) text += (row == 5 && col < 8 ? void_cell : std::to_string(100 + col) + ".5") + " ";
+      for (int col = 0; col < kSide; ++col)
+        text += (row == 5 && col < 8 ? void_cell : std::to_string(100 + col) + ".5") + " ";
       text += "\n";
     }
     write_bytes(folder / name, text);
@@ -42,7 +45,8 @@ TEST_F(VoidValues, TheLowestFloatIsVoidHoweverManyDigitsTheTagHas) {
   const double lowest = std::numeric_limits<float>::lowest();
   for (const GDALDataType type : {GDT_Float32, GDT_Float64}) {
     for (const double tag : {-3.39999999999999996e+38, -3.4028234663852886e+38, -3.402823e+38}) {
-      if (type == GDT_Float64 && tag == -3.39999999999999996e+38) continue;  // GDAL says these are two values, see below
+      if (type == GDT_Float64 && tag == -3.39999999999999996e+38)
+        continue;  // GDAL says these are two values, see below
       SCOPED_TRACE(GDALGetDataTypeName(type) + std::string(" ") + std::to_string(tag));
       Band band = slope();
       burn(band, 4, 4, lowest);
@@ -67,7 +71,8 @@ TEST_F(VoidValues, AFarLowerCellThatIsNoVoidIsNamed) {
   Band band = slope();
   burn(band, 4, 4, std::numeric_limits<float>::lowest());
   write("low64.tif", {band}, {.type = GDT_Float64, .nodata = -3.4e38});
-  expect_refusal(ingest({"low64.tif", "d.talus"}), {usage}, {"low64.tif", "-3.4028234663852886e+38", "column 4, row 4"});
+  expect_refusal(ingest({"low64.tif", "d.talus"}), {usage},
+                 {"low64.tif", "-3.4028234663852886e+38", "column 4, row 4"});
 }
 
 // OSGeo/gdal#3791, csiro-hydrogeology/pyela#2: the value in the header has fewer or more digits than the floats.
@@ -101,8 +106,9 @@ TEST_F(VoidValues, AHeightBesideTheVoidValueStays) {
 
 // mapbox/rio-rgbify#45, Yucareux/Tellus#7: -9999, -32768 and the like as heights, because nobody declared them.
 TEST_F(VoidValues, AnUndeclaredVoidValueIsDoubtedAndCanBeSaid) {
-  for (const auto& [value, type] : {std::pair(-9999.0, GDT_Float32), std::pair(-9999.0, GDT_Int16), std::pair(-32768.0, GDT_Int16),
-                                    std::pair(-32768.0, GDT_Int32), std::pair(32767.0, GDT_Int16), std::pair(-99999.0, GDT_Float64)}) {
+  for (const auto& [value, type] :
+       {std::pair(-9999.0, GDT_Float32), std::pair(-9999.0, GDT_Int16), std::pair(-32768.0, GDT_Int16),
+        std::pair(-32768.0, GDT_Int32), std::pair(32767.0, GDT_Int16), std::pair(-99999.0, GDT_Float64)}) {
     SCOPED_TRACE(value);
     Band band = slope();
     burn(band, 8, 8, value);
@@ -128,8 +134,7 @@ TEST_F(VoidValues, SeveralValuesCanBeSaidAndFilesThatDeclareOneKeepIt) {
   burn(second, 0, 0, -9999);
   burn(second, 20, 0, -1);
   write("first.tif", {first}, {.type = GDT_Int16});
-  write("second.tif", {second},
-        {.type = GDT_Int16, .geotransform = {{500400, 10, 0, 5600400, 0, -10}}, .nodata = -1});
+  write("second.tif", {second}, {.type = GDT_Int16, .geotransform = {{500400, 10, 0, 5600400, 0, -10}}, .nodata = -1});
   const Outcome outcome = ingest({"first.tif", "second.tif", "two.talus", "--nodata=-9999", "--nodata=-32768"});
   ASSERT_EQ(outcome.exit_code, done) << outcome.err;
   const Cells cells = cells_of_database(folder / "two.talus");
@@ -144,7 +149,8 @@ TEST_F(VoidValues, ZeroAmidHighGroundIsDoubtedAndACoastIsNot) {
   burn(hole, 8, 8, 0);
   write("hole.tif", {hole}, {.type = GDT_Int16});
   EXPECT_THAT(ingest({"hole.tif", "h.talus", "--json"}).out, HasSubstr("--nodata 0"));
-  write("coast.tif", {slope([](int col, int row) { return std::max(0.0, 3.0 * col + row - 60); })}, {.type = GDT_Int16});
+  write("coast.tif", {slope([](int col, int row) { return std::max(0.0, 3.0 * col + row - 60); })},
+        {.type = GDT_Int16});
   EXPECT_THAT(ingest({"coast.tif", "c.talus", "--json"}).out, Not(HasSubstr("--nodata 0")));
 }
 

@@ -47,7 +47,8 @@ Cells cells_of(const std::filesystem::path& file) {
       const double value = cell(heights, col, row);
       bool is_data = !std::isnan(value) && cell(heights->GetMaskBand(), col, row) != 0;
       for (GDALRasterBand* alpha : alphas) is_data = is_data && cell(alpha, col, row) != 0;
-      cells.heights.push_back(is_data ? std::optional(value * heights->GetScale() + heights->GetOffset()) : std::nullopt);
+      cells.heights.push_back(is_data ? std::optional(value * heights->GetScale() + heights->GetOffset())
+                                      : std::nullopt);
     }
   }
   return cells;
@@ -69,7 +70,8 @@ int different(const Cells& a, const Cells& b) {
   return count;
 }
 
-void write_bands(const std::filesystem::path& file, int cols, int rows, const std::vector<Band>& bands, const BandsOptions& options) {
+void write_bands(const std::filesystem::path& file, int cols, int rows, const std::vector<Band>& bands,
+                 const BandsOptions& options) {
   GDALAllRegister();
   // Through memory: PNG and others are only made as copies.
   const std::unique_ptr<GDALDataset> dataset(GetGDALDriverManager()->GetDriverByName("MEM")->Create(
@@ -92,7 +94,8 @@ void write_bands(const std::filesystem::path& file, int cols, int rows, const st
     if (options.nodata) check(band->SetNoDataValue(*options.nodata));
   }
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(options.driver);
-  const std::unique_ptr<GDALDataset> copy(driver->CreateCopy(file.c_str(), dataset.get(), 0, nullptr, nullptr, nullptr));
+  const std::unique_ptr<GDALDataset> copy(
+      driver->CreateCopy(file.c_str(), dataset.get(), 0, nullptr, nullptr, nullptr));
   if (!copy) throw std::runtime_error(file.string() + ": " + CPLGetLastErrorMsg());
 }
 

@@ -21,8 +21,8 @@ struct Cells {
   [[nodiscard]] int voids() const;
 };
 
-/// The first band that is not alpha, scale and offset applied. Empty: what the band's mask leaves out, NaN, and where a band
-/// of alpha is 0.
+/// The first band that is not alpha, scale and offset applied. Empty: what the band's mask leaves out, NaN, and where a
+/// band of alpha is 0.
 [[nodiscard]] Cells cells_of(const std::filesystem::path& file);
 
 /// All samples of a database.
@@ -38,12 +38,13 @@ struct Band {
 };
 struct BandsOptions {
   GDALDataType type = GDT_Float32;
-  std::string crs = "EPSG:25832";                                         ///< empty: none
+  std::string crs = "EPSG:25832";                                                       ///< empty: none
   std::optional<std::array<double, 6>> geotransform{{500000, 10, 0, 5600400, 0, -10}};  ///< of the corner; empty: none
   std::optional<double> nodata = std::nullopt;
   const char* driver = "GTiff";
 };
 /// Throws std::runtime_error if GDAL does.
-void write_bands(const std::filesystem::path& file, int cols, int rows, const std::vector<Band>& bands, const BandsOptions& options = {});
+void write_bands(const std::filesystem::path& file, int cols, int rows, const std::vector<Band>& bands,
+                 const BandsOptions& options = {});
 
 }  // namespace talus::support
