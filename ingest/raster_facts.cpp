@@ -377,6 +377,7 @@ AdmittedRaster open_input(const fs::path& file, const InputOptions& options) {
       facts.driver = admitted.driver;
       admitted.dataset = open_dataset(facts);  // which says why it cannot be
     }
+    const GdalScope gdal;
     if (admitted.driver == "GTiff") require_whole_tiff(admitted.dataset.get(), file.string(), admitted.files.front().bytes);
     return admitted;
   });

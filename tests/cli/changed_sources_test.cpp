@@ -149,15 +149,23 @@ TEST_F(ChangedSource, IsNoticedWhenItIsRewrittenDuringTheIngest) {
   for (const std::string how : {"cp other.tif source.tif", "mv other.tif source.tif", "rm source.tif",
                                 "printf x | dd of=source.tif bs=1 seek=3000000 conv=notrunc 2>/dev/null"}) {
     SCOPED_TRACE(how);
-    make_raster("source.tif");
-    write_raster(higher(500), folder / "other.tif");
-    const Outcome outcome = until_a_tile_is_done("a.vrt", how);
-    EXPECT_EQ(outcome.exit_code, failed);
+    bool is_noticed = false;
+    for (int again = 0; again < 20 && !is_noticed; ++again) {
+      fs::remove(folder / "a.talus");
+      make_raster("source.tif");
+      write_raster(higher(500), folder / "other.tif");
+      const Outcome outcome = until_a_tile_is_done("a.vrt", "kill -STOP $!; " + how + "; kill -CONT $!");
+      is_noticed = outcome.exit_code == failed;
+      if (is_noticed) break;
+      // The change came when all had been read, and the last look was over: it is none of the database's business.
+      ASSERT_EQ(outcome.exit_code, done) << said();
+      const Snapshot now = Database::open(folder / "a.talus").snapshot();
+      ASSERT_EQ(now.samples(now.description().extent).values, raster.values);
+    }
+    ASSERT_TRUE(is_noticed) << "in twenty tries";
     EXPECT_THAT(said(), ::testing::HasSubstr("source.tif"));
     EXPECT_FALSE(fs::exists(folder / "a.talus"));
     EXPECT_FALSE(fs::exists(folder / "a.talus.part")) << "some of it may be of the other file";
-    fs::remove(folder / "a.talus");
-    fs::remove(folder / "a.talus.part");
   }
 }
 
