@@ -113,8 +113,6 @@ Exit dry_run(const Request& request) {
                                     : estimate_ingest(request.inputs(), request.database(), request.options);
   e.notes = with_options(std::move(e.notes));
   const Description& d = e.description;
-  if (!request.update && std::filesystem::exists(request.database()) && !request.options.overwrite)
-    e.notes.push_back(fmt::format("{} exists already; without --overwrite it stays", request.database()));
   notes(e.notes);
   if (request.json) {
     Json json{{"database", request.database()},

@@ -45,8 +45,9 @@ std::vector<std::string> sources_of(const Snapshot& now) {
 
 /// A file whose header or outer structure is damaged cannot be checked any further.
 Snapshot open_or_advise(const std::string& database) {
+  require_database(database);  // what is something else needs no backup
   try {
-    return open_database(database).snapshot();
+    return Database::open(database).snapshot();
   } catch (const Failure& f) {
     if (f.cause() != Cause::corrupt) throw;
     throw Failure(Cause::corrupt, fmt::format("{}; restore the file from a backup, or ingest its sources again", f.what()),

@@ -47,9 +47,11 @@ TEST_F(Words, NotesGoToStandardErrorALineEach) {
   const auto notes = json_of(json)["notes"];
   ASSERT_FALSE(notes.empty());
   EXPECT_THAT(json.err, HasSubstr("talus: note: " + notes[0].get<std::string>() + "\n"));
-  const Outcome dry = must({"ingest", "a.tif", "a.talus", "--dry-run"});
-  EXPECT_THAT(dry.err, HasSubstr("talus: note: a.talus exists already"));
+  const Outcome dry = must({"ingest", "bare.tif", "other.talus", "--dry-run"});
+  EXPECT_EQ(dry.err, text.err);
   EXPECT_THAT(dry.out, Not(HasSubstr("note")));
+  // What the work would be refused for, the dry run is.
+  expect_refusal(talus({"ingest", "a.tif", "a.talus", "--dry-run"}), {usage}, {"a.talus", "exists already", "--overwrite"});
 }
 
 TEST_F(Words, AQueryThatWritesNothingSaysSo) {
