@@ -196,6 +196,9 @@ void add_list(const fs::path& file, const InputOptions& options, InputList& list
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // some editors begin a text with it
   bool is_first = true;
   for (std::string line; lines.next(line);) {
+    if (is_first && (line.starts_with("\xff\xfe") || line.starts_with("\xfe\xff"))) {
+      throw Failure(Cause::invalid_argument, fmt::format("list {} is written in UTF-16; save it as UTF-8", file.string()), file);
+    }
     if (std::exchange(is_first, false) && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!line.empty() && is_blank(line.back())) line.pop_back();

@@ -120,6 +120,14 @@ struct Updating {
   }
 };
 
+/// Rasters that come later were not there to be laid together with the first.
+void add_note_of_joints(const Source& source, std::vector<std::string>& notes) {
+  const auto& inputs = source.inputs();
+  if (std::none_of(inputs.begin(), inputs.end(), [](const InputFile& input) { return input.is_resampled; })) return;
+  notes.push_back("the new rasters were resampled apart from those that the database holds, so heights beside the joint are interpolated "
+                  "from one side only; an ingest of all rasters together interpolates across it");
+}
+
 }  // namespace
 
 IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
@@ -157,6 +165,7 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
     report = run(job, work.source, std::move(provenance), writer);
     part.publish();
   }
+  add_note_of_joints(work.source, report.notes);
   report.change = work.changes.sum;
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return report;
@@ -171,6 +180,7 @@ IngestEstimate estimate_update(const std::vector<std::filesystem::path>& inputs,
   const Job job = work.job();
   work.compare(job);
   IngestEstimate sum = estimate(job, work.source, [&](TileId id) { return work.is_stale(id); });
+  add_note_of_joints(work.source, sum.notes);
   sum.change = work.changes.sum;
   const std::uint64_t bytes = std::filesystem::file_size(followed(database));
   sum.bytes = work.changes_nothing() ? bytes : bytes + sum.bytes;

@@ -121,6 +121,20 @@ TEST_F(Outsiders, ARemedyWorksOrAnotherIsNamed) {
   EXPECT_THAT(ingest({"other.tif", "d.talus", "--nodata", "-9999"}).err, HasSubstr("makes nothing void"));
 }
 
+TEST_F(Outsiders, AnUpdateThatIsResampledSaysThatItsJointsAreItsOwn) {
+  write("a.tif", {slope()});
+  write("b.tif", {slope()}, {.geotransform = {{500403, 10, 0, 5600400, 0, -10}}});
+  ASSERT_EQ(ingest({"a.tif", "d.talus"}).exit_code, done);
+  const Outcome outcome = talus({"ingest", "--update", "b.tif", "d.talus", "--grid-of", "d.talus"});
+  ASSERT_EQ(outcome.exit_code, done) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("beside the joint"));
+}
+
+TEST_F(Outsiders, AListInUtf16IsCalledThat) {
+  write_bytes(folder / "list.txt", std::string("\xff\xfe" "a\0.\0t\0i\0f\0\n\0", 14));
+  expect_refusal(ingest({"@list.txt", "d.talus"}), {usage}, {"list.txt", "UTF-16"});
+}
+
 TEST_F(Outsiders, ATiffThatIsCutShortIsCalledThat) {
   write("whole.tif", {slope()});
   std::filesystem::resize_file(folder / "whole.tif", 3000);
