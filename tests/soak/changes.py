@@ -24,6 +24,7 @@ TALUS = os.path.abspath(sys.argv[1])
 RUNS = int(sys.argv[2]) if len(sys.argv) > 2 else 100
 SIDE = int(sys.argv[3]) if len(sys.argv) > 3 else 1200
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
+KINDS = sys.argv[5:]  # names of the accidents; none: all
 dice = random.Random(SEED)
 counts, wrongs = Counter(), []
 work = Path(tempfile.mkdtemp(prefix="talus-changes-"))
@@ -296,6 +297,8 @@ some_update("u0.tif")
 shutil.copy("base.talus", "a.talus")
 update_seconds = seconds_of("ingest", "--update", "u0.tif", "a.talus", "--threads", "1")
 for kind in (resume_after_changes, updates_that_meet, killed_updates, damaged_part):
+    if KINDS and kind.__name__ not in KINDS:
+        continue
     for _ in range(RUNS):
         kind()
     print(f"{kind.__name__}: {RUNS} runs, {len(wrongs)} wrong so far", flush=True)
