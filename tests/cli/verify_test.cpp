@@ -8,6 +8,7 @@ namespace talus::support {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Verify : public Command {
  protected:
@@ -109,7 +110,7 @@ TEST_F(Verify, AccuracySaysLoudlyThatASampleLiesBeyondTheBound) {
   EXPECT_EQ(talus({"verify", "low.talus"}).exit_code, damaged);
   const Outcome sound = talus({"accuracy", "a.talus", "--tolerances", "1"});
   EXPECT_EQ(sound.exit_code, done);
-  EXPECT_EQ(sound.err, "");
+  EXPECT_THAT(sound.err, Not(HasSubstr("BEYOND")));  // a note about wavering times may be there
 }
 
 }  // namespace
