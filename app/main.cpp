@@ -10,13 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "app/arguments.hpp"
-#include "app/commands.hpp"
-#include "app/fields.hpp"
-#include "app/interrupt.hpp"
-#include "app/report.hpp"
-#include "app/say.hpp"
-#include "app/standard_files.hpp"
+#include "app/commands/commands.hpp"
+#include "app/options/arguments.hpp"
+#include "app/terminal/fields.hpp"
+#include "app/terminal/interrupt.hpp"
+#include "app/terminal/report.hpp"
+#include "app/terminal/say.hpp"
+#include "app/terminal/standard_files.hpp"
 #include "talus/failure.hpp"
 
 namespace talus::app {
@@ -110,11 +110,11 @@ Exit run(std::vector<std::string> arguments, bool json) {
     return Exit::done;
   } catch (const CLI::ParseError& error) {
     if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
-      return complain(
-          misused(fmt::format("there is no subcommand {}; there are ingest, compact, info, query, height, profile, merge, "
-                              "convert, accuracy and verify",
-                              first)),
-          json);
+      return complain(misused(fmt::format(
+                          "there is no subcommand {}; there are ingest, compact, info, query, height, profile, merge, "
+                          "convert, accuracy and verify",
+                          first)),
+                      json);
     }
     return complain(misused(fmt::format("{} (talus --help says more)", error.what())), json);
   }

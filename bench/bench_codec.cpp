@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/page_codec.hpp"
-#include "query/stored_pages.hpp"
+#include "engine/page/page_codec.hpp"
+#include "query/pages/stored_pages.hpp"
 
 namespace talus {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/construction.hpp"
-#include "engine/saturation.hpp"
+#include "engine/error/saturation.hpp"
+#include "engine/quadtree/construction.hpp"
 
 namespace talus {
 namespace {

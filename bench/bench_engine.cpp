@@ -4,9 +4,9 @@
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/saturation.hpp"
-#include "engine/tile.hpp"
-#include "engine/triangulation.hpp"
+#include "engine/error/saturation.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "engine/tile/tile.hpp"
 
 namespace talus {
 namespace {

@@ -1,5 +1,5 @@
-// Terrain that is hard for arithmetic, against ordinary terrain of the same size and shape: what a sample costs to ingest
-// and to ask for. Must: no case more than three times as dear a sample as ordinary terrain.
+// Terrain that is hard for arithmetic, against ordinary terrain of the same size and shape: what a sample costs to
+// ingest and to ask for. Must: no case more than three times as dear a sample as ordinary terrain.
 
 #include <algorithm>
 #include <bit>
@@ -36,8 +36,8 @@ struct Kind {
   const char* name;
   GDALDataType type;
   std::function<Terrain()> make;
-  double share = 1;      ///< of 2049², where the shape is another
-  double cell = 1;       ///< metres; with `degrees` those
+  double share = 1;  ///< of 2049², where the shape is another
+  double cell = 1;   ///< metres; with `degrees` those
   bool degrees = false;
 };
 
@@ -65,7 +65,8 @@ Terrain changed(Change&& change) {
 }
 
 double hash(int col, int row) {  // 0 to 1, all bits
-  auto h = static_cast<std::uint64_t>(col) * 0x9E3779B97F4A7C15u ^ static_cast<std::uint64_t>(row) * 0xC2B2AE3D27D4EB4Fu;
+  auto h =
+      static_cast<std::uint64_t>(col) * 0x9E3779B97F4A7C15u ^ static_cast<std::uint64_t>(row) * 0xC2B2AE3D27D4EB4Fu;
   h = (h ^ h >> 32) * 0xD6E8FEB86659FD93u;
   h = (h ^ h >> 32) * 0xD6E8FEB86659FD93u;
   return static_cast<double>((h ^ h >> 32) >> 11) * 0x1p-53;
@@ -80,30 +81,49 @@ const std::vector<Kind>& kinds() {
       {"one_spike", GDT_Int16, [] { return support::spike(kSide, kSide, 1023, 1025, 50); }},
       {"checkerboard_of_extremes", GDT_Int16, [] { return support::checkerboard(kSide, kSide); }},
       {"saw_teeth", GDT_Int16,
-       [] { return support::surface(kSide, kSide, [](int col, int row) { return (row / 40 % 2 == 0 ? 1 : 100) * ((4 - col % 4) % 4); }); }},
+       [] {
+         return support::surface(kSide, kSide,
+                                 [](int col, int row) { return (row / 40 % 2 == 0 ? 1 : 100) * ((4 - col % 4) % 4); });
+       }},
       {"cliffs_on_borders", GDT_Int16,
-       [] { return support::surface(kSide, kSide, [](int col, int row) { return col / 64 % 2 * 3000 + row / 64 % 2 * 500; }); }},
+       [] {
+         return support::surface(kSide, kSide,
+                                 [](int col, int row) { return col / 64 % 2 * 3000 + row / 64 % 2 * 500; });
+       }},
       {"plateaus", GDT_Int16, [] { return support::plateaus(kSide, kSide); }},
       {"noise", GDT_Int16,
        [] { return changed([](double, int col, int row) { return std::floor(hash(col, row) * 60000) - 30000; }); }},
       {"quadratic_surface", GDT_Int32,
-       [] { return support::surface(kSide, kSide, [](int col, int row) { return (col - 700.) * (col - 700.) / 4 + row * 60; }); }},
+       [] {
+         return support::surface(kSide, kSide,
+                                 [](int col, int row) { return (col - 700.) * (col - 700.) / 4 + row * 60; });
+       }},
       {"pages_of_other_ranges", GDT_Int32,
        [] { return changed([](double h, int col, int) { return col / 128 % 2 == 0 ? h : h * 400; }); }},
       {"float32_ordinary_decimetres", GDT_Float32, [] { return changed([](double h, int, int) { return h / 10; }); }},
-      {"float32_all_bits", GDT_Float32, [] { return changed([](double h, int col, int row) { return h + hash(col, row); }); }},
+      {"float32_all_bits", GDT_Float32,
+       [] { return changed([](double h, int col, int row) { return h + hash(col, row); }); }},
       {"float32_absorption", GDT_Float32,
-       [] { return changed([](double h, int col, int row) { return col % 64 == 0 ? (row % 2 == 0 ? 1e6 : -1e6) : h / 1e5; }); }},
+       [] {
+         return changed(
+             [](double h, int col, int row) { return col % 64 == 0 ? (row % 2 == 0 ? 1e6 : -1e6) : h / 1e5; });
+       }},
       {"float32_denormals", GDT_Float32,
-       [] { return changed([](double h, int, int) { return std::round(h) * double{std::numeric_limits<float>::denorm_min()}; }); }},
+       [] {
+         return changed(
+             [](double h, int, int) { return std::round(h) * double{std::numeric_limits<float>::denorm_min()}; });
+       }},
       {"float32_signed_zero", GDT_Float32,
        [] { return changed([](double, int col, int row) { return (col / 3 + row) % 2 == 0 ? 0.0 : -0.0; }); }},
       {"float64_whole", GDT_Float64, [] { return ordinary(); }},
-      {"float64_all_bits", GDT_Float64, [] { return changed([](double h, int col, int row) { return h + hash(col, row); }); }},
+      {"float64_all_bits", GDT_Float64,
+       [] { return changed([](double h, int col, int row) { return h + hash(col, row); }); }},
       {"float64_denormals", GDT_Float64,
        [] { return changed([](double h, int, int) { return h * std::numeric_limits<double>::denorm_min(); }); }},
       {"float64_millimetres_at_1e6_m", GDT_Float64,
-       [] { return changed([](double h, int col, int) { return ((col < 1024 ? 999000000 : -999000000) + h) / 1000; }); }},
+       [] {
+         return changed([](double h, int col, int) { return ((col < 1024 ? 999000000 : -999000000) + h) / 1000; });
+       }},
       {"one_void", GDT_Int16,
        [] {
          Terrain t = ordinary();
@@ -157,12 +177,14 @@ class Folder {
 
 void write(const Kind& kind, const Terrain& terrain, const fs::path& file) {
   GDALAllRegister();
-  GDALDatasetH made = GDALCreate(GDALGetDriverByName("GTiff"), file.c_str(), terrain.cols, terrain.rows, 1, kind.type, nullptr);
+  GDALDatasetH made =
+      GDALCreate(GDALGetDriverByName("GTiff"), file.c_str(), terrain.cols, terrain.rows, 1, kind.type, nullptr);
   double place[] = {0, kind.cell, 0, kind.degrees ? 90.0 : 0.0, 0, -kind.cell};
   GDALSetGeoTransform(made, place);
   if (kind.degrees) {
-    GDALSetProjection(made, "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],"
-                            "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],AUTHORITY[\"EPSG\",\"4326\"]]");
+    GDALSetProjection(made,
+                      "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],"
+                      "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],AUTHORITY[\"EPSG\",\"4326\"]]");
   }
   constexpr double kVoid = -32768;
   GDALRasterBandH band = GDALGetRasterBand(made, 1);
@@ -171,7 +193,8 @@ void write(const Kind& kind, const Terrain& terrain, const fs::path& file) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (terrain.valid[i] == 0) values[i] = kVoid;
   }
-  if (GDALRasterIO(band, GF_Write, 0, 0, terrain.cols, terrain.rows, values.data(), terrain.cols, terrain.rows, GDT_Float64, 0, 0) != CE_None)
+  if (GDALRasterIO(band, GF_Write, 0, 0, terrain.cols, terrain.rows, values.data(), terrain.cols, terrain.rows,
+                   GDT_Float64, 0, 0) != CE_None)
     throw std::runtime_error("cannot write " + file.string());
   GDALClose(made);
 }
@@ -239,7 +262,8 @@ Compared compared(const Kind& kind) {
   return {own.cost(), plain.cost()};
 }
 
-/// One row a kind: the time is that of its ingest and its two answers, counters hold them apart and against the ordinary.
+/// One row a kind: the time is that of its ingest and its two answers, counters hold them apart and against the
+/// ordinary.
 void hard(benchmark::State& state, const Kind& kind) {
   const auto [own, ordinary] = compared(kind);
   for (auto _ : state) state.SetIterationTime((own.ingest_ns + own.exact_ns + own.coarse_ns) * 1e-9);

@@ -1,8 +1,8 @@
 // Ingest against the tools people use today, on real models: time against writing a cloud-optimised GeoTIFF (which
 // makes overviews, too, but no errors), bytes against a compressed GeoTIFF of the same samples.
 
-#include <cstdlib>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>

@@ -12,7 +12,7 @@
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "query/page_cache.hpp"
+#include "query/pages/page_cache.hpp"
 #include "talus/talus.hpp"
 
 namespace talus {
@@ -122,7 +122,8 @@ void BM_WholeSwiss_Warm(benchmark::State& state) {
 }
 BENCHMARK(BM_WholeSwiss_Warm)->ArgName("tolerance_m")->Arg(50)->Unit(benchmark::kMillisecond);
 
-/// A million points strewn over the made terrain, its pages decoded but for the first time (all fit), or each time anew.
+/// A million points strewn over the made terrain, its pages decoded but for the first time (all fit), or each time
+/// anew.
 void heights(benchmark::State& state, std::uint64_t cache_bytes, std::optional<Metres> tolerance, double spread) {
   const Snapshot now = Database::open(databases().made_file(), {.cache_bytes = cache_bytes}).snapshot();
   std::vector<Position> points;

@@ -1,8 +1,8 @@
 // Streams of answers: what they take, and how fast they are written and read.
 //
-// Data: windows of at most 4097² samples amid the real models, at 5 m, where these are (TALUS_DEM_DIR). Each row: model,
-// heights (exact, or bounded with a quantum of about the tolerance), profile. `bits` are bits a triangle, header and all.
-// BM_Chain: the bytes of 20 → 10 → 5 → 2 → 1 m over those of 1 m at once.
+// Data: windows of at most 4097² samples amid the real models, at 5 m, where these are (TALUS_DEM_DIR). Each row:
+// model, heights (exact, or bounded with a quantum of about the tolerance), profile. `bits` are bits a triangle, header
+// and all. BM_Chain: the bytes of 20 → 10 → 5 → 2 → 1 m over those of 1 m at once.
 
 #include <map>
 #include <string>
@@ -13,7 +13,7 @@
 #include "bench/kept.hpp"
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/stream_codec.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {
@@ -23,12 +23,9 @@ struct Model {
   const char* name;
   const char* file;
 };
-constexpr Model kModels[] = {{"S36E149", "srtm3_S36E149.tif"},
-                             {"taiwan", "taiwan_z13/taiwan.vrt"},
-                             {"kenya", "kenya_central_z11.tif"},
-                             {"bigtujunga", "bigtujunga_30m_utm11.tif"},
-                             {"N46E008", "srtm3_N46E008.tif"},
-                             {"gabilan", "gabilan.bil"},
+constexpr Model kModels[] = {{"S36E149", "srtm3_S36E149.tif"},   {"taiwan", "taiwan_z13/taiwan.vrt"},
+                             {"kenya", "kenya_central_z11.tif"}, {"bigtujunga", "bigtujunga_30m_utm11.tif"},
+                             {"N46E008", "srtm3_N46E008.tif"},   {"gabilan", "gabilan.bil"},
                              {"tirol", "tirol5m_avaPfa.tif"}};
 constexpr const char* kProfiles[] = {"fast", "balanced", "small"};
 
@@ -71,7 +68,9 @@ const Asked* asked(int model, bool bounded) {
 
 StreamOptions options_of(const benchmark::State& state) {
   StreamOptions options;
-  options.profile = state.range(2) == 0 ? StreamProfile::fast : state.range(2) == 1 ? StreamProfile::balanced : StreamProfile::small;
+  options.profile = state.range(2) == 0   ? StreamProfile::fast
+                    : state.range(2) == 1 ? StreamProfile::balanced
+                                          : StreamProfile::small;
   return options;
 }
 
@@ -81,8 +80,8 @@ void say(benchmark::State& state, const Asked& a, std::size_t bytes) {
   state.counters["vertices"] = static_cast<double>(a.quadtree.vertices.size());
   state.counters["bytes"] = static_cast<double>(bytes);
   state.counters["bits"] = 8.0 * static_cast<double>(bytes) / static_cast<double>(a.triangles);
-  state.counters["vertices_per_second"] =
-      benchmark::Counter(static_cast<double>(a.quadtree.vertices.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["vertices_per_second"] = benchmark::Counter(static_cast<double>(a.quadtree.vertices.size()),
+                                                             benchmark::Counter::kIsIterationInvariantRate);
 }
 
 void BM_Encode(benchmark::State& state) {

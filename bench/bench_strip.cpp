@@ -12,7 +12,7 @@
 #include "bench/kept.hpp"
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/triangulation.hpp"
+#include "engine/quadtree/triangulation.hpp"
 #include "talus/strip.hpp"
 #include "talus/talus.hpp"
 

@@ -129,8 +129,10 @@ void BM_TwoThreadsAgainstOne(benchmark::State& state) {
   const Metres tolerance = one.tolerance_for(kTaiwanWindow, {.vertices = 2'000'000});
   Times by_one, by_two;
   for (auto _ : state) {
-    by_one.add([&] { benchmark::DoNotOptimize(triangulate(one.range(kTaiwanWindow, tolerance).quadtree).points.data()); });
-    by_two.add([&] { benchmark::DoNotOptimize(triangulate(two.range(kTaiwanWindow, tolerance).quadtree, 2).points.data()); });
+    by_one.add(
+        [&] { benchmark::DoNotOptimize(triangulate(one.range(kTaiwanWindow, tolerance).quadtree).points.data()); });
+    by_two.add(
+        [&] { benchmark::DoNotOptimize(triangulate(two.range(kTaiwanWindow, tolerance).quadtree, 2).points.data()); });
     state.SetIterationTime(by_two.last_by_clock());
   }
   say(state, by_one.by_clock() / by_two.by_clock(), 1.7);

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "ingest/part_file.hpp"
-#include "ingest/sound_file.hpp"
+#include "ingest/work/part_file.hpp"
+#include "ingest/work/sound_file.hpp"
 #include "storage/page_store.hpp"
 #include "talus/ingest.hpp"
 

@@ -5,18 +5,18 @@
 
 #include <fmt/format.h>
 
-#include "engine/manifest.hpp"
-#include "ingest/input_files.hpp"
-#include "ingest/job.hpp"
-#include "ingest/left_work.hpp"
-#include "ingest/part_file.hpp"
-#include "ingest/plan.hpp"
+#include "engine/page/manifest.hpp"
+#include "ingest/mosaic/input_files.hpp"
+#include "ingest/work/job.hpp"
+#include "ingest/work/left_work.hpp"
+#include "ingest/work/part_file.hpp"
+#include "ingest/work/plan.hpp"
 
 namespace talus {
 namespace {
 
-/// Of a database that was finished and lacked only its seal or its name when the ingest was cut short: its plan is gone,
-/// but it says what it was made from.
+/// Of a database that was finished and lacked only its seal or its name when the ingest was cut short: its plan is
+/// gone, but it says what it was made from.
 bool was_made_of(const Provenance& made, const Source& source, const InputFiles& files, const IngestOptions& options) {
   if (made.made_by != made_by(options) || made.sources.size() != source.inputs().size()) return false;
   for (std::size_t i = 0; i < made.sources.size(); ++i) {
@@ -41,7 +41,8 @@ void require_same_work(const LeftWork& left, const std::string& plan, const Sour
   const std::string why = obstacle(left, plan, source, files, options);
   if (why.empty()) return;
   throw Failure(Cause::invalid_argument,
-                fmt::format("{}: cannot be resumed: {}. Start again with IngestOptions::overwrite", part.string(), why), part);
+                fmt::format("{}: cannot be resumed: {}. Start again with IngestOptions::overwrite", part.string(), why),
+                part);
 }
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
@@ -79,7 +80,8 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   }
   job.files = &files;
   std::optional<PageWriter> writer(std::in_place, part.path());
-  if (left_before.kind != LeftWork::Kind::finished) writer->put({kHeaderTable, kPlanPosition}, bytes_of(plan));  // with the first tiles
+  // with the first tiles
+  if (left_before.kind != LeftWork::Kind::finished) writer->put({kHeaderTable, kPlanPosition}, bytes_of(plan));
   IngestReport report;
   try {
     report = run(job, source, {{}, made_by(options), 0, {}}, *writer);

@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "ingest/base.hpp"
-#include "ingest/changes.hpp"
-#include "ingest/gdal_scope.hpp"
-#include "ingest/input_files.hpp"
-#include "ingest/job.hpp"
-#include "ingest/part_file.hpp"
-#include "ingest/plan.hpp"
-#include "ingest/sound_file.hpp"
+#include "ingest/files/gdal_scope.hpp"
+#include "ingest/mosaic/input_files.hpp"
+#include "ingest/work/changes.hpp"
+#include "ingest/work/existing_database.hpp"
+#include "ingest/work/job.hpp"
+#include "ingest/work/part_file.hpp"
+#include "ingest/work/plan.hpp"
+#include "ingest/work/sound_file.hpp"
 
 namespace talus {
 namespace {
@@ -63,17 +63,22 @@ void require_same_heights(const Description& base, const Description& fresh) {
 
 void require_all_samples(const Description& base, const std::filesystem::path& database) {
   if (base.finest_tolerance == 0) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{}: keeps only the vertices of answers at {} m and more (--tolerance); beside new data errors "
-                            "would be those of what is left: ingest the sources anew",
-                            database.string(), base.finest_tolerance));
+  throw Failure(
+      Cause::unsupported,
+      fmt::format("{}: keeps only the vertices of answers at {} m and more (--tolerance); beside new data errors "
+                  "would be those of what is left: ingest the sources anew",
+                  database.string(), base.finest_tolerance));
 }
 
 /// A database, what is put into it, and what that changes.
 struct Updating {
-  Updating(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database, const IngestOptions& asked)
-      : base(database), before(base.manifest().description), options(asked_of(before, database, asked)),
-        source(inputs, options.inputs), description(before) {
+  Updating(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+           const IngestOptions& asked)
+      : base(database),
+        before(base.manifest().description),
+        options(asked_of(before, database, asked)),
+        source(inputs, options.inputs),
+        description(before) {
     require_same_heights(before, source.description());
     description.extent = around(before.extent, source.description().extent);
     kind = std::max(code_kind(before), code_kind(source.description()));
@@ -94,7 +99,8 @@ struct Updating {
   /// Finds out what changes; a pass over the new samples and the old ones beneath them.
   void compare(const Job& job) {
     const RasterCache cache(job.budget.gdal_cache_bytes);
-    changes = changes_by(base, source, kind, job.budget.tiles_across, [&] { tell_of(job, "comparing with the database"); });
+    changes =
+        changes_by(base, source, kind, job.budget.tiles_across, [&] { tell_of(job, "comparing with the database"); });
   }
   [[nodiscard]] bool changes_nothing() const { return changes.sum.samples == 0 && description.extent == before.extent; }
 
@@ -107,7 +113,8 @@ struct Updating {
   Changes changes;
 
  private:
-  static IngestOptions asked_of(const Description& before, const std::filesystem::path& database, const IngestOptions& asked) {
+  static IngestOptions asked_of(const Description& before, const std::filesystem::path& database,
+                                const IngestOptions& asked) {
     require_all_samples(before, database);
     IngestOptions options = asked;
     options.void_weight = before.void_weight;
@@ -124,8 +131,10 @@ struct Updating {
 void add_note_of_joints(const Source& source, std::vector<std::string>& notes) {
   const auto& inputs = source.inputs();
   if (std::none_of(inputs.begin(), inputs.end(), [](const InputFile& input) { return input.is_resampled; })) return;
-  notes.push_back("the new rasters were resampled apart from those that the database holds, so heights beside the joint are interpolated "
-                  "from one side only; an ingest of all rasters together interpolates across it");
+  notes.push_back(
+      "the new rasters were resampled apart from those that the database holds, so heights beside the joint are "
+      "interpolated "
+      "from one side only; an ingest of all rasters together interpolates across it");
 }
 
 }  // namespace
@@ -134,7 +143,8 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
                     const IngestOptions& asked) {
   const auto started = std::chrono::steady_clock::now();
   static_cast<void>(PageStore::open(followed(database)));  // who names no database is told so before a file is made
-  // Nobody else writes from here on. Readers keep the file they have; the new one takes its name at the end, in one step.
+  // Nobody else writes from here on. Readers keep the file they have; the new one takes its name at the end, in one
+  // step.
   PartFile part(database, true, asked.overwrite ? PartFile::Left::replace : PartFile::Left::refuse);
   require_sound_file(part.target());
   Updating work(inputs, part.target(), asked);

@@ -6,25 +6,25 @@
 
 #include <fmt/format.h>
 
-#include "engine/parallel.hpp"
-#include "engine/triangulation.hpp"
-#include "query/bounded_heights.hpp"
-#include "query/budget.hpp"
-#include "query/heights.hpp"
-#include "query/increment.hpp"
-#include "query/longitude.hpp"
-#include "query/profile.hpp"
-#include "query/question.hpp"
-#include "query/selection.hpp"
+#include "engine/machine/parallel.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "query/bounded/bounded_heights.hpp"
+#include "query/geo/longitude.hpp"
+#include "query/selection/budget.hpp"
+#include "query/selection/increment.hpp"
+#include "query/selection/refusals.hpp"
+#include "query/selection/selection.hpp"
+#include "query/selection/vertex_errors.hpp"
 #include "query/snapshot_view.hpp"
-#include "query/vertex_errors.hpp"
+#include "query/surface/heights.hpp"
+#include "query/surface/profile.hpp"
 
 namespace talus {
 
 namespace {
 
-/// In cells from grid line 0. Beside a line, within 10⁻⁶ of a cell or as near as doubles tell places so far out apart, it is on
-/// the line.
+/// In cells from grid line 0. Beside a line, within 10⁻⁶ of a cell or as near as doubles tell places so far out apart,
+/// it is on the line.
 double line_at(double coordinate, double line_0, double cell) {
   constexpr double kOnLine = 1e-6, kApart = 4 * std::numeric_limits<double>::epsilon();
   const double at = (coordinate - line_0) / cell, line = std::round(at);
@@ -52,7 +52,8 @@ Database Database::open(const std::filesystem::path& file, const OpenOptions& op
 }
 
 Snapshot Database::snapshot() const {
-  return Snapshot(std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache), opened_->threads}));
+  return Snapshot(
+      std::make_unique<Snapshot::View>(Snapshot::View{StoredPages(opened_->store, opened_->cache), opened_->threads}));
 }
 
 Snapshot::Snapshot(std::unique_ptr<View> view) : view_(std::move(view)) {}

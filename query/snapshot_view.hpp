@@ -1,8 +1,8 @@
 #pragma once
 // What stands behind a Snapshot.
 
-#include "query/range_query.hpp"
-#include "query/stored_pages.hpp"
+#include "query/pages/stored_pages.hpp"
+#include "query/selection/range_query.hpp"
 
 namespace talus {
 

@@ -10,7 +10,7 @@
 #include <lmdb.h>
 #include <sys/stat.h>
 
-#include "storage/structure.hpp"
+#include "storage/lmdb_check.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -80,10 +80,11 @@ void PageStore::Environment::watch_map(MDB_txn* txn) {
 
 void PageStore::Environment::require_all_bytes() const {
   if (!guard.has_lost_bytes()) return;
-  throw Failure(Cause::io,
-                fmt::format("{}: became shorter while it was read, or its disk fails: restore the file, and open it again",
-                            file.string()),
-                file);
+  throw Failure(
+      Cause::io,
+      fmt::format("{}: became shorter while it was read, or its disk fails: restore the file, and open it again",
+                  file.string()),
+      file);
 }
 
 namespace {

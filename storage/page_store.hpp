@@ -86,8 +86,8 @@ class ReadTxn {
   /// process's otherwise. Bytes found there before are read anew when they are looked at again.
   void forget(PageKey key) const;
   [[nodiscard]] TableSummary summary(int table) const;
-  /// To be asked when what was made of a page's bytes is to be used. A file that has become shorter since find() has zeros
-  /// there; they are no failure of find().
+  /// To be asked when what was made of a page's bytes is to be used. A file that has become shorter since find() has
+  /// zeros there; they are no failure of find().
   /// fails  io: so it is
   void require_all_bytes() const;
   [[nodiscard]] std::uint64_t file_bytes() const;

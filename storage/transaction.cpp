@@ -23,8 +23,9 @@ struct ReadTxn::Impl {
   }
   [[nodiscard]] Failure in_file(const Failure& f) const {
     const std::string sentence = f.what(), kind = "corrupt: ";
-    return {f.cause(), sentence.starts_with(kind) ? fmt::format("{}{}: {}", kind, file().string(), sentence.substr(kind.size()))
-                                                  : fmt::format("{}: {}", file().string(), sentence)};
+    return {f.cause(), sentence.starts_with(kind)
+                           ? fmt::format("{}{}: {}", kind, file().string(), sentence.substr(kind.size()))
+                           : fmt::format("{}: {}", file().string(), sentence)};
   }
   [[nodiscard]] std::optional<std::span<const std::byte>> value(int number, std::uint64_t position) const {
     if (!table(number)) return std::nullopt;
@@ -154,7 +155,8 @@ TableSummary ReadTxn::summary(int table) const {
       return;
     }
     const auto pages = pages_of_shelf(table, position, value);
-    sum.pages += static_cast<std::uint64_t>(std::count_if(pages.begin(), pages.end(), [](auto p) { return !p.empty(); }));
+    sum.pages +=
+        static_cast<std::uint64_t>(std::count_if(pages.begin(), pages.end(), [](auto p) { return !p.empty(); }));
   });
   return sum;
 }

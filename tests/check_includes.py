@@ -3,34 +3,69 @@
 
     app -> query, ingest -> engine, storage -> include/talus
 
+and inside each of these to its rooms, which know only rooms below them; and no room may grow beyond 30 files.
+
 check_includes.py ROOT                  fails with file:line for each include that breaks a rule
 check_includes.py --expect-marked ROOT  fails unless exactly the lines marked `// refused` do: the self test
 """
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 
-FOLDERS = ["include", "engine", "storage", "query", "ingest", "app"]
+FOLDERS = ["include", "engine", "storage", "query", "ingest", "app", "bindings"]
+MOST_FILES = 30  # of a folder itself
 
-# Which of our headers a file may see, by the longest folder that fits it. The engine and the storage know
-# the words (units, failure, description, quadtree) but not the verbs; query and ingest do not know each other.
+# Which of our headers a file may see, by the folder that it is in. The engine and the storage know the words (units,
+# failure, description, quadtree) but not the verbs; query and ingest do not know each other.
 OURS = {
-    "include/talus": r"talus/",
+    "include": r"talus/",
     "engine": r"engine/|talus/(units|failure|array|description|quadtree|increment|progression|stream|strip|bitree)\.hpp",
     "storage": r"storage/|talus/(units|failure)\.hpp",
     "query": r"(query|engine|storage)/|talus/(?!ingest\.hpp|talus\.hpp)",
-    "query/bindings": r"(query|ingest)/|talus/",
     "ingest": r"(ingest|engine|storage)/|talus/(?!database\.hpp|talus\.hpp)",
     "app": r"(app|query|ingest)/|talus/",
+    "bindings": r"(query|ingest)/|talus/",
+}
+
+# The rooms, and which others of the same folder each may know. A folder's own files stand above its rooms, unless the room
+# is named with them: "query" below.
+ROOMS = {
+    "engine/machine": "",
+    "engine/geo": "machine",
+    "engine/quadtree": "machine",
+    "engine/error": "machine geo quadtree",
+    "engine/page": "machine geo quadtree error",
+    "engine/tile": "machine geo quadtree error page",
+    "engine/stream": "machine quadtree page",
+    "engine/strip": "machine quadtree page stream",
+    "engine/bitree": "machine quadtree error",
+    "query/geo": "",
+    "query/pages": "geo",
+    "query/selection": "geo pages",
+    "query/surface": "geo pages selection",
+    "query/bounded": "geo pages selection",
+    "query/export": "geo",
+    "query/accuracy": "geo pages",
+    "query/verify": "geo pages selection accuracy .",
+    "ingest/files": "",
+    "ingest/raster": "files",
+    "ingest/mosaic": "files raster",
+    "ingest/work": "files raster mosaic",
+    "app/terminal": "",
+    "app/files": "terminal",
+    "app/options": "terminal files",
+    "app/accuracy": "terminal",
+    "app/commands": "terminal files options accuracy",
 }
 
 # What of others is let in, and where. Headers not named here are let in nowhere but in the standard library.
 GDAL = r"(gdal|ogr|cpl|vrt)[a-z0-9_]*\.h"
 THEIRS = [
-    ("GDAL", GDAL, r"ingest/|query/(ground\.|(export|bindings/gdal)/)", "ingest/, query/export/ and query/ground"),
+    ("GDAL", GDAL, r"ingest/|query/(geo/ground\.|export/)", "ingest/, query/export/ and query/geo/ground"),
     ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
-    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream_bytes)\.cpp$", "storage/*.cpp and engine/stream_bytes.cpp"),
-    ("GeographicLib", r"GeographicLib/", r"engine/geodesy\.", "engine/geodesy"),
+    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream/stream_bytes)\.cpp$", "storage/*.cpp and engine/stream/stream_bytes.cpp"),
+    ("GeographicLib", r"GeographicLib/", r"engine/geo/geodesy\.", "engine/geo/geodesy"),
     ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
     ("JSON", r"nlohmann/", r"(engine|app|query/export)/", "engine/, app/ and query/export/"),
     ("CLI11", r"CLI/", r"app/", "app/"),
@@ -51,14 +86,14 @@ def objection(file, quote, header):
         if re.match(pattern, header):
             return None if re.match(places, file) else f"{name} belongs in {where} only"
     if quote == '"':
-        folder = max((f for f in OURS if file.startswith(f + "/")), key=len)
+        folder = file.split("/")[0]
         if re.match(OURS[folder], header):
-            return None
-        if not re.match(r"(app|query|ingest|engine|storage|talus)/", header):
-            return "say our headers from the root: \"engine/grid.hpp\", \"talus/units.hpp\""
+            return objection_of_rooms(file, header)
+        if not re.match(r"(app|query|ingest|engine|storage|bindings|talus)/", header):
+            return "say our headers from the root: \"engine/quadtree/grid.hpp\", \"talus/units.hpp\""
         return f"{folder} does not know {header}"
-    if (file, header) in {("engine/large_memory.hpp", "sys/mman.h"), ("engine/parallel.hpp", "thread"),
-                          ("engine/parallel.hpp", "mutex")}:
+    if (file, header) in {("engine/machine/large_memory.hpp", "sys/mman.h"), ("engine/machine/parallel.hpp", "thread"),
+                          ("engine/machine/parallel.hpp", "mutex")}:
         return None
     if file.startswith("engine/") and re.match(NOT_IN_ENGINE, header):
         return "the engine has no files, clocks or threads"
@@ -67,13 +102,27 @@ def objection(file, quote, header):
     return None
 
 
+def objection_of_rooms(file, header):
+    """The same between the rooms of one folder."""
+    room, other = (name.rsplit("/", 1)[0] for name in (file, header))
+    folder = room.split("/")[0]
+    if other.split("/")[0] != folder or room == other or room == folder:
+        return None
+    if room not in ROOMS:
+        return f"{room} is a room that the rules do not know: see ROOMS in tests/check_includes.py"
+    allowed = ROOMS[room].split()
+    name = "." if other == folder else other.split("/", 1)[1]
+    return None if name in allowed else f"{room} does not know {other}"
+
+
 def findings(root):
     """Pairs of (file:line, sentence), and the places marked `// refused`."""
-    broken, marked, files = {}, set(), 0
+    broken, marked, files, rooms = {}, set(), 0, Counter()
     for folder in FOLDERS:
-        for path in sorted((root / folder).rglob("*.[ch]pp")):
+        for path in sorted((root / folder).rglob("*.[chi][pn][pc]")):
             files += 1
             name = path.relative_to(root).as_posix()
+            rooms[name.rsplit("/", 1)[0]] += 1
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
                 include = INCLUDE.match(line)
                 if not include:
@@ -84,6 +133,9 @@ def findings(root):
                 rule = objection(name, *include.groups())
                 if rule:
                     broken[place] = f"{place}: {line.strip()}\n    {rule}"
+    for room, count in rooms.items():
+        if count > MOST_FILES:
+            broken[room] = f"{room}: {count} files of its own, more than {MOST_FILES}: it needs rooms"
     if files == 0:
         sys.exit(f"{root}: no sources here to check")
     return broken, marked, files

@@ -8,8 +8,8 @@
 //
 //   exact          the largest vertical distance of any sample in the triangles: what Talus stores
 //   perpendicular  the same, at a right angle to the triangle; the paper's metric [P98 §5, Eq. 1]
-//   nested         the vertex's distance from the middle of its ends, and its children's largest on top: a bound, unmeasured.
-//                  On the ladder of stored errors, for there each level's rounding adds up, too
+//   nested         the vertex's distance from the middle of its ends, and its children's largest on top: a bound,
+//                  unmeasured. On the ladder of stored errors, for there each level's rounding adds up, too
 //   midpoint       the vertex's distance alone: no bound
 //   exact16        exact on the ladder of stored errors, 16 bits
 //   exact8         exact on 255 steps of equal ratio from the smallest error above 0 to the largest, rounded up
@@ -29,14 +29,14 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 
-#include "engine/border.hpp"
-#include "engine/construction.hpp"
-#include "engine/error_ladder.hpp"
-#include "engine/half_diamond.hpp"
-#include "engine/triangulation.hpp"
-#include "engine/vertex_error.hpp"
-#include "query/ground.hpp"
-#include "query/true_error.hpp"
+#include "engine/error/error_ladder.hpp"
+#include "engine/error/vertex_error.hpp"
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/construction.hpp"
+#include "engine/quadtree/half_diamond.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "query/accuracy/true_error.hpp"
+#include "query/geo/ground.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {
@@ -208,7 +208,8 @@ Mesh mesh_in(const std::string& file, const Window& window, GridRect region) {
     mesh.points.push_back(p);
     mesh.heights.push_back(window.height(p));
   }
-  for (std::size_t i = 0; i < corners.size(); i += 3) mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+  for (std::size_t i = 0; i < corners.size(); i += 3)
+    mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
   return mesh;
 }
 

@@ -17,12 +17,12 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 
-#include "engine/border.hpp"
-#include "engine/construction.hpp"
-#include "engine/half_diamond.hpp"
-#include "engine/stream_codec.hpp"
-#include "engine/triangulation.hpp"
-#include "query/true_error.hpp"
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/construction.hpp"
+#include "engine/quadtree/half_diamond.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "engine/stream/stream_codec.hpp"
+#include "query/accuracy/true_error.hpp"
 #include "talus/bitree.hpp"
 #include "talus/strip.hpp"
 #include "talus/talus.hpp"

@@ -29,7 +29,7 @@
 #include <gdal_utils.h>
 
 #include "bench/kept.hpp"
-#include "query/true_error.hpp"
+#include "query/accuracy/true_error.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {

@@ -17,9 +17,9 @@ struct AccuracyOptions {
   std::optional<GridRect> region;  ///< what it is about, within the extent; empty: all of it
   std::optional<std::int32_t>
       window;  ///< samples a side, 17 to 4097: ask through windows of this size, whatever the region's
-  std::vector<Metres> tolerances;  ///< finite, 0 or more; empty: see AccuracyReport::points
+  std::vector<Metres> tolerances;        ///< finite, 0 or more; empty: see AccuracyReport::points
   std::optional<double> budget_seconds;  ///< of the advice, above 0; empty: what the tolerance amid the others takes
-  std::optional<Metres> map_tolerance;  ///< of the maps; empty: the advised one
+  std::optional<Metres> map_tolerance;   ///< of the maps; empty: the advised one
   bool maps = true;
   /// What errors are measured against; empty: the database's own samples, or nothing if it did not keep them all.
   SampleReader truth;
@@ -49,13 +49,14 @@ struct AccuracyPoint {
   /// The same with the file in memory and nothing decoded. Of each window the median of five to 101, taken in rounds
   /// over all tolerances, so that what else the machine does spoils none of them alone.
   double warm_seconds = 0;
-  double warm_low_seconds = 0, warm_high_seconds = 0;  ///< the middle half of the typical window's answers took between these
+  /// The middle half of the typical window's answers took between these
+  double warm_low_seconds = 0, warm_high_seconds = 0;
   std::size_t typical_window = 0;        ///< whose warm time is the median
   std::optional<AccuracyErrors> errors;  ///< nothing without a truth
 };
 
-/// The least tolerance that an amount of time buys, found by asking. Where no time was given, the tolerance amid the measured
-/// ones, which does not waver with the machine, and what it takes.
+/// The least tolerance that an amount of time buys, found by asking. Where no time was given, the tolerance amid the
+/// measured ones, which does not waver with the machine, and what it takes.
 struct AccuracyAdvice {
   double budget_seconds = 0;
   std::optional<std::size_t> point;  ///< which of the points; nothing: the coarsest takes longer

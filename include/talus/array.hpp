@@ -10,7 +10,8 @@
 namespace talus {
 
 namespace detail {
-/// From a megabyte up in the system's large pages, where it has them: a fresh page of memory costs more than what goes in.
+/// From a megabyte up in the system's large pages, where it has them: a fresh page of memory costs more than what goes
+/// in.
 /// fails  std::bad_alloc
 [[nodiscard]] void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;

@@ -22,7 +22,7 @@ namespace talus {
 /// selected ones: nobody has to send them.
 struct Bitree {
   /// What a vertex is, bit by bit.
-  static constexpr std::uint8_t kSplitsFirst = 1;   ///< the half of apexes[0] (engine/grid.hpp, `Diamond`)
+  static constexpr std::uint8_t kSplitsFirst = 1;   ///< the half of apexes[0] (engine/quadtree/grid.hpp, `Diamond`)
   static constexpr std::uint8_t kSplitsSecond = 2;  ///< the half of apexes[1]
   static constexpr std::uint8_t kSelected = 4;
 
@@ -70,7 +70,7 @@ struct BitreeOptions {
 
 /// The bitree that follows from selected vertices: the fictitious ones that they need, and all heights.
 ///
-/// selected  over the region, with what its sides need (engine/border.hpp), sealed
+/// selected  over the region, with what its sides need (engine/quadtree/border.hpp), sealed
 /// heights   by rank
 /// returns   without covers; its bound is infinite, for nothing is known of the samples
 /// fails     invalid_argument: another number of heights; border vertices that are missing

@@ -22,10 +22,10 @@ namespace talus {
 
 struct Answer {
   RestrictedQuadtree quadtree;
-  std::uint64_t border_vertices = 0;  ///< of the quadtree, that only the border needs
+  std::uint64_t border_vertices = 0;    ///< of the quadtree, that only the border needs
   std::uint64_t matching_vertices = 0;  ///< that came for neighbours alone, see Question::neighbours
-  /// Vertices on shared sides that a neighbour lacks: where there are any, the two meet with cracks until the neighbour is
-  /// asked again with this answer as its neighbour.
+  /// Vertices on shared sides that a neighbour lacks: where there are any, the two meet with cracks until the neighbour
+  /// is asked again with this answer as its neighbour.
   std::vector<GridPoint> unmatched = {};
   std::uint64_t point_vertices = 0;  ///< that are there for Question::points alone, with all these depend on
   std::uint64_t void_points = 0;     ///< points asked for that are no vertices, for they have no data
@@ -71,22 +71,22 @@ class Snapshot {
   /// What it was made from, and how many vertices tolerances select.
   [[nodiscard]] Provenance provenance() const;
 
-  /// Of all questions: in a geographic CRS longitudes a full turn apart are one place, whichever is written. Each next point
-  /// of a line is taken on the turn nearest to the one before.
+  /// Of all questions: in a geographic CRS longitudes a full turn apart are one place, whichever is written. Each next
+  /// point of a line is taken on the turn nearest to the one before.
 
   /// The samples a rectangle covers: outward to grid lines (a coordinate within 10⁻⁶ cell of a line is
-  /// on it), then clipped to the raster. In a geographic CRS xmin > xmax is the box across the antimeridian, if it is at most
-  /// half a turn wide.
-  /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster; a box at both ends of a
-  ///        raster that goes around the globe
+  /// on it), then clipped to the raster. In a geographic CRS xmin > xmax is the box across the antimeridian, if it is
+  /// at most half a turn wide.
+  /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster; a box at both ends
+  ///        of a raster that goes around the globe
   [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
 
   /// Whether a rectangle reaches farther than the raster's outermost cells: region() leaves that out.
   /// fails  as region
   [[nodiscard]] bool is_cut(const Rectangle& rectangle) const;
 
-  /// The rectangle itself, where grid lines are whole numbers (within 10⁻⁶ of one it is on it), cut at the raster's outermost
-  /// samples: what an answer is clipped to.
+  /// The rectangle itself, where grid lines are whole numbers (within 10⁻⁶ of one it is on it), cut at the raster's
+  /// outermost samples: what an answer is clipped to.
   /// fails  as region
   [[nodiscard]] Frame frame(const Rectangle& rectangle) const;
 
@@ -110,9 +110,9 @@ class Snapshot {
   /// source     [P98 §4, §10], design of the border: docs/architecture.md
   [[nodiscard]] Answer range(GridRect region, Metres tolerance) const;
 
-  /// The same with another border, a tolerance that varies, levels or points that are asked for; see Question. The quadtree
-  /// of `cover` and `clip` holds what its triangles need beyond the region; triangulate() gives exactly the triangles of the
-  /// whole raster's answer that meet it.
+  /// The same with another border, a tolerance that varies, levels or points that are asked for; see Question. The
+  /// quadtree of `cover` and `clip` holds what its triangles need beyond the region; triangulate() gives exactly the
+  /// triangles of the whole raster's answer that meet it.
   ///
   /// A field's answer holds every covered sample within its own tolerance: a vertex is left out only if its error is
   /// within the least tolerance of its diamond. Two such answers need not meet.
@@ -122,40 +122,40 @@ class Snapshot {
   /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
   [[nodiscard]] Answer ask(const Question& question) const;
 
-  /// The same as range with heights that are multiples of a quantum, which a stream holds in fewer bits: every sample is held
-  /// against the surface with these heights, which is split only where one lies beyond the tolerance. Fewer vertices than
-  /// range mostly, for no vertex is there for its error's sake alone. Answers at one tolerance and quantum meet as those of
-  /// range do; increments go on from none of them.
+  /// The same as range with heights that are multiples of a quantum, which a stream holds in fewer bits: every sample
+  /// is held against the surface with these heights, which is split only where one lies beyond the tolerance. Fewer
+  /// vertices than range mostly, for no vertex is there for its error's sake alone. Answers at one tolerance and
+  /// quantum meet as those of range do; increments go on from none of them.
   ///
   /// quantum  metres; 0: about the tolerance
-  /// fails    as range; invalid_argument: a tolerance of 0 or infinity, a quantum that lies farther from heights than the
-  ///          tolerance, or of which heights are more than 10¹⁵ multiples; unsupported: a database that keeps the vertices
-  ///          of a tolerance only
+  /// fails    as range; invalid_argument: a tolerance of 0 or infinity, a quantum that lies farther from heights than
+  ///          the tolerance, or of which heights are more than 10¹⁵ multiples; unsupported: a database that keeps the
+  ///          vertices of a tolerance only
   /// cost     memory: 9 bytes a sample of the region. Time: a few times that of range
   [[nodiscard]] Answer bounded(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
 
-  /// The fewest vertices: heights move within the tolerance of the source's, to where most triangles can stay, and every
-  /// sample is held against them. On rough ground, at five height steps and more, 16 to 26 % fewer than range; nothing goes
-  /// on from them.
+  /// The fewest vertices: heights move within the tolerance of the source's, to where most triangles can stay, and
+  /// every sample is held against them. On rough ground, at five height steps and more, 16 to 26 % fewer than range;
+  /// nothing goes on from them.
   /// Answers at one tolerance and quantum meet as those of range do.
   ///
-  /// quantum  metres that heights are multiples of; 0: half the tolerance. A smaller one mostly needs fewer vertices, and more
-  ///          bytes
+  /// quantum  metres that heights are multiples of; 0: half the tolerance. A smaller one mostly needs fewer vertices,
+  ///          and more bytes
   /// fails    as bounded
   /// cost     memory: 26 bytes a sample of the region. Time: three to fourteen times that of range
   /// source   relaxation of linear inequalities: Agmon 1954, Motzkin and Schoenberg 1954
   [[nodiscard]] Answer fitted(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
 
-  /// The whole tolerance spent on rounding: of the samples only those are left out that lie exactly between others. More
-  /// vertices than any other answer, and where a mesh would need most samples anyway, that is up to some ten height steps on
-  /// rough ground, the fewest bytes.
+  /// The whole tolerance spent on rounding: of the samples only those are left out that lie exactly between others.
+  /// More vertices than any other answer, and where a mesh would need most samples anyway, that is up to some ten
+  /// height steps on rough ground, the fewest bytes.
   ///
   /// fails  as range; invalid_argument: a tolerance of 0 or infinity
   /// cost   that of range at tolerance 0
   [[nodiscard]] Answer dense(GridRect region, Metres tolerance) const;
 
-  /// range at the tolerance less what rounding to a quantum costs, rounded: more vertices, but nested, so that increments of
-  /// the same quantum go on from it.
+  /// range at the tolerance less what rounding to a quantum costs, rounded: more vertices, but nested, so that
+  /// increments of the same quantum go on from it.
   /// fails  as range; invalid_argument: a quantum of 0, or as bounded
   [[nodiscard]] Answer quantised(GridRect region, Metres tolerance, Metres quantum) const;
   /// What such an answer lacks of a finer one.
@@ -171,17 +171,17 @@ class Snapshot {
   /// source   [P98 §9]
   [[nodiscard]] std::vector<Answer> ask_together(std::span<const Question> patches) const;
 
-  /// The smallest tolerance on the ladder of stored errors (engine/error_ladder.hpp) whose answer
-  /// with a constrained border fits a budget. Exact, and without trial: pages with the largest errors are counted first,
-  /// until no other can matter.
+  /// The smallest tolerance on the ladder of stored errors (engine/error/error_ladder.hpp) whose answer
+  /// with a constrained border fits a budget. Exact, and without trial: pages with the largest errors are counted
+  /// first, until no other can matter.
   /// fails  invalid_argument: region as in range; a budget that the border alone exceeds, naming what it needs
   /// cost   pages with errors above the result, the border's pages
   [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget) const;
   /// The same, and what it cost.
   [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget, QueryCost& cost) const;
 
-  /// What an answer at `from` lacks of the one at `to`, see Increment and merge. In a database that keeps the vertices of a
-  /// tolerance only, answers at that tolerance and below have the same vertices: between two of them it is empty.
+  /// What an answer at `from` lacks of the one at `to`, see Increment and merge. In a database that keeps the vertices
+  /// of a tolerance only, answers at that tolerance and below have the same vertices: between two of them it is empty.
   ///
   /// fails  invalid_argument: as range; `to` not below `from`. corrupt for a damaged page
   /// cost   pages that hold something above `to`, and their ancestors; what the border needs is not read
@@ -200,9 +200,9 @@ class Snapshot {
   [[nodiscard]] Mesh mesh(Metres tolerance) const;
   [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
 
-  /// The height at a point in the vertical unit, bilinear between the four samples around it. Samples are pixel centres.
-  /// A point on a line of samples, or within 10⁻⁶ cell of one, needs only the two on either side along the line; one on
-  /// a sample needs that sample, and gets its height bit for bit.
+  /// The height at a point in the vertical unit, bilinear between the four samples around it. Samples are pixel
+  /// centres. A point on a line of samples, or within 10⁻⁶ cell of one, needs only the two on either side along the
+  /// line; one on a sample needs that sample, and gets its height bit for bit.
   /// returns  nothing where a sample that is needed is void or outside the extent, or a coordinate is no number
   /// fails    unsupported: a database that keeps the vertices of a tolerance only; corrupt
   [[nodiscard]] std::optional<double> height(double x, double y) const;
@@ -222,11 +222,11 @@ class Snapshot {
   /// Whether a point lies among the samples, on the outermost ones included: beyond no question has an answer.
   [[nodiscard]] bool is_inside(Position point) const;
 
-  /// The height along a line through two or more points, straight between them in CRS coordinates. Half of the tolerance
-  /// goes to the surface whose every triangle under the line is cut, and what its bound leaves of the whole to leaving
-  /// out vertices of that cut, so that the profile is within the tolerance of covered samples on the line. The line's
-  /// points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside the extent;
-  /// where it touches a triangle in one point it has no part.
+  /// The height along a line through two or more points, straight between them in CRS coordinates. Half of the
+  /// tolerance goes to the surface whose every triangle under the line is cut, and what its bound leaves of the whole
+  /// to leaving out vertices of that cut, so that the profile is within the tolerance of covered samples on the line.
+  /// The line's points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside
+  /// the extent; where it touches a triangle in one point it has no part.
   /// fails  invalid_argument: fewer than two points, all at one place, a coordinate that is no finite number, the
   ///        tolerance; corrupt
   /// cost   the pages along the line, in proportion to the triangles under it; the first also as height()
@@ -271,8 +271,8 @@ class Database {
 /// fails    corrupt: vertices that are not closed under their parents, as damaged errors select
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 1);
 
-/// A mesh cut at a frame; heights along the cuts are those of its edges, so its bound holds. Meshes of one answer that are
-/// cut at frames that share a whole side meet there without a crack.
+/// A mesh cut at a frame; heights along the cuts are those of its edges, so its bound holds. Meshes of one answer that
+/// are cut at frames that share a whole side meet there without a crack.
 ///
 /// mesh  of an answer with Border::cover whose region the frame lies in
 /// cost  linear
@@ -293,13 +293,13 @@ struct VerifyReport {
   std::uint64_t pages = 0, records = 0, samples = 0;  ///< checked
   std::vector<std::string> findings;                  ///< at most 20 are spelled out
   std::uint64_t finding_count = 0;
-  /// So many of the findings do not say that the database is damaged: it is sound in itself and differs from the truth, or its
-  /// surface lies beyond the bound.
+  /// So many of the findings do not say that the database is damaged: it is sound in itself and differs from the truth,
+  /// or its surface lies beyond the bound.
   std::uint64_t differences = 0;
   [[nodiscard]] bool is_damaged() const { return finding_count > differences; }
   std::vector<DamagedPart> damaged;  ///< at most 1000, in the order in which they were found
-  /// All damage lies in `damaged`: answers that need nothing from there are right. False where something is wrong that all
-  /// answers depend on, or where the file cannot be followed.
+  /// All damage lies in `damaged`: answers that need nothing from there are right. False where something is wrong that
+  /// all answers depend on, or where the file cannot be followed.
   bool is_rest_usable = true;
   std::uint64_t answers = 0;         ///< asked and triangulated
   std::optional<Metres> true_error;  ///< of the answer, along the vertical, by brute force, if a tolerance was given
@@ -313,8 +313,9 @@ struct VerifyReport {
 using SampleReader = std::function<SampleWindow(GridRect)>;
 
 struct VerifyOptions {
-  /// The source as it was before ingest rounded anything: every stored sample is held against it, bit for bit, or within
-  /// Description::lossy_metres. Of a database with a finest tolerance those it kept, and the whole answer at that tolerance.
+  /// The source as it was before ingest rounded anything: every stored sample is held against it, bit for bit, or
+  /// within Description::lossy_metres. Of a database with a finest tolerance those it kept, and the whole answer at
+  /// that tolerance.
   SampleReader truth = {};
   /// With a truth: the true error of the whole answer at this tolerance, its mesh held against every sample.
   std::optional<Metres> tolerance = {};
@@ -324,19 +325,21 @@ struct VerifyOptions {
 
 /// Holds a database against itself, and goes on after the first finding:
 /// - the file: its trees, and every byte against its seal
-/// - pages: checksums; tables of pages below them; heights and voids that a page above repeats; errors never below those of
-///   vertices that depend on them, across pages too
-/// - what follows from the stored samples is computed again, tile by tile, and compared: errors, triangles with data, fills,
-///   records; from the records the coarse levels, the manifest's extremes and the provenance's counts. A database with a finest
-///   tolerance has not kept all samples: there only its coarse levels are computed again
-/// - answers at 0 and at 1, 2, 5 … m up to the largest error are asked and triangulated, as a whole or in squares of 2048 samples
+/// - pages: checksums; tables of pages below them; heights and voids that a page above repeats; errors never below
+///   those of vertices that depend on them, across pages too
+/// - what follows from the stored samples is computed again, tile by tile, and compared: errors, triangles with data,
+///   fills, records; from the records the coarse levels, the manifest's extremes and the provenance's counts. A
+///   database with a finest tolerance has not kept all samples: there only its coarse levels are computed again
+/// - answers at 0 and at 1, 2, 5 … m up to the largest error are asked and triangulated, as a whole or in squares of
+///   2048 samples
 ///
-/// What a query refuses is found here. What is not found: another mapping, CRS or name in the manifest, and samples that were
-/// changed with everything that follows from them; a truth finds these samples.
+/// What a query refuses is found here. What is not found: another mapping, CRS or name in the manifest, and samples
+/// that were changed with everything that follows from them; a truth finds these samples.
 ///
 /// fails  not_found, io; what the truth and `progress` throw. Damage is no failure
-/// cost   the time of an ingest without its reading, and of some answers to the whole raster. Memory: about 120 MB, 40 bytes for
-///        each 64² samples, and an answer of 2048² samples (some 250 MB); with a tolerance the mesh of the whole answer
+/// cost   the time of an ingest without its reading, and of some answers to the whole raster. Memory: about 120 MB, 40
+///        bytes for each 64² samples, and an answer of 2048² samples (some 250 MB); with a tolerance the mesh of the
+///        whole answer
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const VerifyOptions& options = {});
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth);
 [[nodiscard]] VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth, Metres tolerance);
@@ -344,8 +347,8 @@ struct VerifyOptions {
 // ---- export --------------------------------------------------------------------------------------
 
 /// Writes a mesh; the ending of `file` says how: .ply (binary little endian, double x y z), .obj, .glb (glTF 2.0, y up,
-/// metres), .tif (GeoTIFF: the surface's height at every sample), .png (a picture: shaded relief with the triangles over
-/// it). Written beside `file`, then renamed.
+/// metres), .tif (GeoTIFF: the surface's height at every sample), .png (a picture: shaded relief with the triangles
+/// over it). Written beside `file`, then renamed.
 /// returns  how far the file's surface may lie from the mesh's, for .glb stores floats: add it to an answer's bound
 /// fails    invalid_argument: another ending, or a mesh whose numbers do not fit; unsupported; io, full
 Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file);

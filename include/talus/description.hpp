@@ -14,14 +14,15 @@ namespace talus {
 
 /// Of which samples a vertex's error tells. None is below that of a vertex that depends on it.
 enum class ErrorKind : std::uint8_t {
-  exact,   ///< the largest distance of any sample from the two triangles that stand there without the vertex
-  nested,  ///< the distance of the vertex from the middle of their common side, and the largest of its children's errors
-           ///< on top: never below exact, so answers keep their bound with more vertices than they need
+  exact,  ///< the largest distance of any sample from the two triangles that stand there without the vertex
+  /// The distance of the vertex from the middle of their common side, and the largest of its children's errors
+  nested,
+  ///< on top: never below exact, so answers keep their bound with more vertices than they need
   midpoint,  ///< the distance of the vertex alone: no bound at all, there to be compared with
 };
 
-/// In which direction: along the vertical, or at right angles to the triangle [P98 §5], which is never more. Cells are then
-/// as large as on the row of the vertex.
+/// In which direction: along the vertical, or at right angles to the triangle [P98 §5], which is never more. Cells are
+/// then as large as on the row of the vertex.
 enum class ErrorMetric : std::uint8_t { vertical, perpendicular };
 
 /// As they stand in manifests and on command lines.
@@ -64,7 +65,9 @@ struct Description {
     return error_kind != ErrorKind::midpoint && error_metric == ErrorMetric::vertical;
   }
   /// Metres: heights of vertices whose error is not above were not kept. 0: all were.
-  [[nodiscard]] double kept_above() const { return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0; }
+  [[nodiscard]] double kept_above() const {
+    return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0;
+  }
 };
 
 /// One file that a database was made from.

@@ -58,12 +58,13 @@ struct InputOptions {
 };
 
 struct IngestProgress {
-  double fraction = 0;       ///< of the whole work, 0 to 1
-  const char* stage = "";    ///< what is being done
+  double fraction = 0;                         ///< of the whole work, 0 to 1
+  const char* stage = "";                      ///< what is being done
   std::uint64_t samples = 0, all_samples = 0;  ///< settled so far, and in all
-  double seconds = 0;        ///< since the work began
-  double seconds_left = 0;   ///< at the present speed; less than 0: not known yet
-  std::uint64_t samples_before = 0;  ///< of `samples`: those that were there when this work began; a rate leaves them out
+  double seconds = 0;                          ///< since the work began
+  double seconds_left = 0;                     ///< at the present speed; less than 0: not known yet
+  /// Of `samples`: those that were there when this work began; a rate leaves them out
+  std::uint64_t samples_before = 0;
 };
 
 struct IngestOptions {
@@ -76,7 +77,7 @@ struct IngestOptions {
   ErrorKind error_kind = ErrorKind::exact;
   ErrorMetric error_metric = ErrorMetric::vertical;  ///< perpendicular goes with exact and midpoint
   bool no_guarantee = false;  ///< said by who wants ErrorKind::midpoint: no answer of the database keeps a bound
-  unsigned threads = 0;      ///< 0: one a core. The pages are the same for any number.
+  unsigned threads = 0;       ///< 0: one a core. The pages are the same for any number.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The pages are the same.
   InputOptions inputs = {};
   /// Told now and then; may throw to end the work, which can then be resumed.
@@ -94,23 +95,23 @@ struct UpdateChange {
 
 struct IngestReport {
   Description description;
-  std::uint64_t pages = 0;            ///< pages written
-  std::uint64_t bytes = 0;            ///< size of the database file
-  std::uint64_t tiles = 0;            ///< settled now, without those an interrupted ingest had left
-  std::uint64_t samples = 0;          ///< of these tiles
-  std::optional<UpdateChange> change; ///< of an update
-  std::uint64_t pages_read_back = 0;  ///< to measure triangles larger than a tile
+  std::uint64_t pages = 0;             ///< pages written
+  std::uint64_t bytes = 0;             ///< size of the database file
+  std::uint64_t tiles = 0;             ///< settled now, without those an interrupted ingest had left
+  std::uint64_t samples = 0;           ///< of these tiles
+  std::optional<UpdateChange> change;  ///< of an update
+  std::uint64_t pages_read_back = 0;   ///< to measure triangles larger than a tile
   double seconds = 0;
-  std::vector<std::string> notes;     ///< sentences on what was found in the inputs
+  std::vector<std::string> notes;  ///< sentences on what was found in the inputs
 };
 
 /// What an ingest or an update would do.
 struct IngestEstimate {
-  Description description;    ///< without what takes a pass over the samples: minimum, maximum, void_samples
-  std::uint64_t tiles = 0;    ///< to settle
-  std::uint64_t bytes = 0;    ///< of the database, about
-  double seconds = 0;         ///< about
-  unsigned threads = 1;       ///< that memory allows
+  Description description;             ///< without what takes a pass over the samples: minimum, maximum, void_samples
+  std::uint64_t tiles = 0;             ///< to settle
+  std::uint64_t bytes = 0;             ///< of the database, about
+  double seconds = 0;                  ///< about
+  unsigned threads = 1;                ///< that memory allows
   std::optional<UpdateChange> change;  ///< of an update
   std::vector<std::string> notes;
 };
@@ -133,10 +134,10 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 
-/// Puts new or corrected data into a database: it then holds what an ingest of everything would have made, the new inputs
-/// last. Only tiles whose samples differ, and what depends on them, are computed and written; the rest of the file
-/// is copied. Readers keep what they opened; the new file takes the name in one step. Where no sample differs, nothing
-/// is written and the generation stays.
+/// Puts new or corrected data into a database: it then holds what an ingest of everything would have made, the new
+/// inputs last. Only tiles whose samples differ, and what depends on them, are computed and written; the rest of the
+/// file is copied. Readers keep what they opened; the new file takes the name in one step. Where no sample differs,
+/// nothing is written and the generation stays.
 ///
 /// inputs    as for ingest, brought onto the database's grid; a void does not cover data
 /// database  where it is a symbolic link, the link stays and the file that it leads to is replaced; owner and mode stay
@@ -192,7 +193,8 @@ class Raster {
   std::unique_ptr<Opened> opened_;
 };
 
-/// Two CRS, as in Description::crs_wkt, that place the same numbers at the same places, heights included. Two empty ones do.
+/// Two CRS, as in Description::crs_wkt, that place the same numbers at the same places, heights included. Two empty
+/// ones do.
 [[nodiscard]] bool same_crs(const std::string& wkt, const std::string& other);
 
 }  // namespace talus

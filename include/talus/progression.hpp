@@ -14,8 +14,8 @@ namespace talus {
 /// corners: with it alone the region is covered. Step k holds the other vertices of level k - 1. The vertices of the
 /// first steps are a restricted quadtree, and their bound is what its triangles keep.
 ///
-/// The first steps of what an increment adds are an increment, too, by which the answer becomes such a quadtree; nothing
-/// more can be merged into it.
+/// The first steps of what an increment adds are an increment, too, by which the answer becomes such a quadtree;
+/// nothing more can be merged into it.
 class Progression {
  public:
   /// answer   its border constrained; it may go afterwards. Or what an increment adds.
@@ -37,7 +37,8 @@ class Progression {
   /// The quadtree of the first steps, and of the first `more` vertices of the step after them: a closed set if these
   /// are ordered by errors. Its tolerance is the answer's; increments do not fit it unless it is all of the answer.
   /// fails  invalid_argument: fewer steps or vertices than that
-  [[nodiscard]] RestrictedQuadtree prefix(const RestrictedQuadtree& answer, std::size_t steps, std::size_t more = 0) const;
+  [[nodiscard]] RestrictedQuadtree prefix(const RestrictedQuadtree& answer, std::size_t steps,
+                                          std::size_t more = 0) const;
 
  private:
   struct Step {

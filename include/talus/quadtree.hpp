@@ -57,7 +57,8 @@ class VertexMask {
   /// The same of some rows, the last included.
   template <class Visit>
   [[gnu::always_inline]] void for_each_in_rows(std::int32_t first, std::int32_t last, Visit&& visit) const {
-    for (std::int64_t row = std::int64_t{first} - region_.first.row; row <= std::int64_t{last} - region_.first.row; ++row) {
+    for (std::int64_t row = std::int64_t{first} - region_.first.row; row <= std::int64_t{last} - region_.first.row;
+         ++row) {
       const std::size_t start = static_cast<std::size_t>(row) * words_per_row_;
       for (std::size_t w = 0; w < words_per_row_; ++w) {
         for (std::uint64_t rest = words_[start + w]; rest != 0; rest &= rest - 1) {
@@ -85,8 +86,8 @@ class VertexMask {
   std::vector<std::uint32_t> before_;
 };
 
-/// Which database, and which state of it. Two files with one identity were made of the same inputs with the same options, so
-/// that they give the same answers.
+/// Which database, and which state of it. Two files with one identity were made of the same inputs with the same
+/// options, so that they give the same answers.
 struct Identity {
   std::uint64_t content = 0;     ///< XXH3 over manifest and provenance, which hold the inputs' checksums; 0: not known
   std::uint32_t generation = 0;  ///< updates so far
@@ -109,19 +110,19 @@ struct Origin {
 struct RestrictedQuadtree {
   /// That was answered: triangles that do not meet it are none of the answer. Empty: that of the vertices.
   GridRect region{{0, 0}, {-1, -1}};
-  VertexMask vertices;  ///< over the region, or over all that its triangles need
+  VertexMask vertices;    ///< over the region, or over all that its triangles need
   Array<double> heights;  ///< by rank, in the source's vertical unit
   /// By rank, four bits a vertex: which of the four triangles with this vertex at their right angle
-  /// cover data (order: engine/grid.hpp, `apex_triangles`). Empty when all do.
+  /// cover data (order: engine/quadtree/grid.hpp, `apex_triangles`). Empty when all do.
   std::vector<std::uint8_t> covers;
   Metres tolerance;  ///< as asked
   Metres bound;      ///< no valid sample under the surface is farther from it, along the vertical or as
-                     ///< Description::error_metric says; at most `tolerance` plus, where heights are no binary fractions, some
-                     ///< nanometres of rounding. Infinite where errors are no bounds (ErrorKind::midpoint)
+      ///< Description::error_metric says; at most `tolerance` plus, where heights are no binary fractions, some
+      ///< nanometres of rounding. Infinite where errors are no bounds (ErrorKind::midpoint)
   Origin origin;
-  /// By log2 of the spacing, to that of the root square's side, which stands for root corners too: the largest error, in
-  /// metres, of these vertices save those that the border needs; 0 where there is none. Without the levels finer than one, no
-  /// sample under the surface is farther from it than the largest of theirs and `bound`. Empty: not known.
+  /// By log2 of the spacing, to that of the root square's side, which stands for root corners too: the largest error,
+  /// in metres, of these vertices save those that the border needs; 0 where there is none. Without the levels finer
+  /// than one, no sample under the surface is farther from it than the largest of theirs and `bound`. Empty: not known.
   std::vector<double> level_errors;
 };
 
@@ -138,11 +139,11 @@ struct Frame {
 
 /// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.
 struct Mesh {
-  GridRect region;                ///< the outermost sample positions answered
-  Array<GridPoint> points;  ///< each used by at least one triangle
-  Array<double> heights;    ///< of points, then of cuts, in the source's vertical unit
+  GridRect region;                                ///< the outermost sample positions answered
+  Array<GridPoint> points;                        ///< each used by at least one triangle
+  Array<double> heights;                          ///< of points, then of cuts, in the source's vertical unit
   Array<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from above
-  std::vector<Place> cuts = {};   ///< where clip_mesh cut edges: they count on behind `points`
+  std::vector<Place> cuts = {};                   ///< where clip_mesh cut edges: they count on behind `points`
 
   [[nodiscard]] std::size_t size() const { return points.size() + cuts.size(); }
   [[nodiscard]] Place place(std::size_t i) const {

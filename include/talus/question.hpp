@@ -41,8 +41,8 @@ class ToleranceField {
 /// One tolerance a patch: `cols` × `rows` patches over a region, as equal as whole samples allow, row by row from the
 /// north-west. Samples beyond the region have infinity.
 /// fails  invalid_argument: another number of metres than patches, negative or none; more patches than samples
-[[nodiscard]] std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
-                                                                    std::vector<double> metres);
+[[nodiscard]] std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols,
+                                                                    std::int32_t rows, std::vector<double> metres);
 
 /// One tolerance a cell of a raster: each sample of a region has that of the cell it lies in, on the line between two
 /// that of the next one. The outermost cells reach one sample further, so that a raster over the very rectangle that
@@ -63,11 +63,11 @@ class ToleranceField {
 
 /// The samples nearest to a line that is straight between its points: one a step along the longer axis of each part,
 /// and those nearest to its ends. Each is a neighbour of the one before, on the grid or across a cell. As vertices they
-/// hold the surface to the samples along the line; edges need not follow it. A sample that the line comes back to stands
-/// where it came first.
+/// hold the surface to the samples along the line; edges need not follow it. A sample that the line comes back to
+/// stands where it came first.
 /// fails  invalid_argument: fewer than two points; as samples_nearest
-/// cost   time in proportion to the line's steps; memory to the samples returned, at most 8 bytes and a bit for each of the
-///        region's
+/// cost   time in proportion to the line's steps; memory to the samples returned, at most 8 bytes and a bit for each of
+///        the region's
 [[nodiscard]] std::vector<GridPoint> samples_along(const Description& description, GridRect region,
                                                    std::span<const Position> line);
 /// Of several lines, each sample once.
@@ -81,15 +81,15 @@ struct Question {
   Border border = Border::constrain;
   /// Instead of `tolerance`, where there is one.
   std::shared_ptr<const ToleranceField> field = {};
-  /// No vertex of a finer level, save where the border needs it; the answer's bound says what that costs. Level 0 is the
-  /// coarsest: one vertex amid the root square.
+  /// No vertex of a finer level, save where the border needs it; the answer's bound says what that costs. Level 0 is
+  /// the coarsest: one vertex amid the root square.
   int max_level = 31;
   /// Samples of the region that must be vertices, whatever their error. A void one is none for that: it is counted in
   /// Answer::void_points and otherwise as if nobody had asked for it.
   std::vector<GridPoint> points = {};
   /// Answers that this one is to meet, each where it shares a side or a part of one with the region: its vertices there
-  /// become vertices here, with all they depend on. Whole answers of this state of the database with a constrained border;
-  /// they need to live as long as the call.
+  /// become vertices here, with all they depend on. Whole answers of this state of the database with a constrained
+  /// border; they need to live as long as the call.
   std::vector<const RestrictedQuadtree*> neighbours = {};
 };
 

@@ -11,13 +11,14 @@ namespace talus {
 
 /// The way from what a client has to what it asked for.
 struct Difference {
-  /// The client has nothing of use: it drops all it has. Otherwise it has the answer of `region_before` at `added.from`.
+  /// The client has nothing of use: it drops all it has. Otherwise it has the answer of `region_before` at
+  /// `added.from`.
   bool starts_over = true;
   GridRect region_before{{0, 0}, {-1, -1}};
   /// `added` is an increment and there is nothing else: the tolerance fell, the region stayed.
   bool is_increment = false;
-  /// Vertices that the client lacks. Unless `is_increment`, its tolerance may be any, and its level errors are those of the
-  /// whole answer.
+  /// Vertices that the client lacks. Unless `is_increment`, its tolerance may be any, and its level errors are those of
+  /// the whole answer.
   Increment added;
   /// Vertices of the client within the new region that the answer lacks, row by row. Those outside it go unnamed.
   std::vector<GridPoint> removed;
@@ -34,16 +35,16 @@ struct Difference {
 /// Remembers what one client has. Not to be asked from several threads at once.
 ///
 /// Memory between questions: twelve bytes for each 64 samples in a row of the region, see `bytes`. A session
-/// whose client has more than it may remember forgets all of it, which the difference says; nothing fails. During a question
-/// there are two such masks, and the answer.
+/// whose client has more than it may remember forgets all of it, which the difference says; nothing fails. During a
+/// question there are two such masks, and the answer.
 class Session {
  public:
   /// most_bytes  to remember; 0: every difference starts over
   explicit Session(std::uint64_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// What the client lacks of an answer. A tolerance that falls in one region costs what its increment costs; anything else
-  /// what the answer costs, of which only what is new is handed out. A client of another state of the database, or of another
-  /// database, starts over.
+  /// What the client lacks of an answer. A tolerance that falls in one region costs what its increment costs; anything
+  /// else what the answer costs, of which only what is new is handed out. A client of another state of the database, or
+  /// of another database, starts over.
   /// fails  as Snapshot::range; the client then has what it had
   [[nodiscard]] Difference next(const Snapshot& now, GridRect region, Metres tolerance);
 

@@ -39,28 +39,30 @@ struct StreamOptions {
 
 /// What a stream may take to read. Its header says how large it will be, and anybody may have written that.
 struct StreamLimits {
-  /// Most bytes of the vertex mask: one and a half bits a sample of the region, however few vertices stand in it. Reading takes
-  /// up to three times as much.
+  /// Most bytes of the vertex mask: one and a half bits a sample of the region, however few vertices stand in it.
+  /// Reading takes up to three times as much.
   std::uint64_t mask_bytes = std::uint64_t{1} << 30;
   /// Most vertices: a few bytes may stand for many.
   std::uint64_t vertices = std::uint64_t{1} << 30;
-  /// The same for each byte of a file that is read as a whole and is no increment, whose region its base bounds. A file of any
-  /// size may take 64 MiB and a million vertices. Real answers, coarse ones of whole countries too, need a quarter of this.
+  /// The same for each byte of a file that is read as a whole and is no increment, whose region its base bounds. A file
+  /// of any size may take 64 MiB and a million vertices. Real answers, coarse ones of whole countries too, need a
+  /// quarter of this.
   std::uint64_t mask_bytes_a_byte = 8192, vertices_a_byte = 1024;
 };
 
 /// Written beside `file`, then renamed.
 ///
 /// base     of an increment: the answer that it goes on from, without which it cannot be read either. Else null
-/// fails    invalid_argument: a name that does not end in .rqt; an increment that does not fit its base, or has none; io, full
+/// fails    invalid_argument: a name that does not end in .rqt; an increment that does not fit its base, or has none;
+///          io, full
 void write_stream(const Stream& stream, const std::filesystem::path& file, const StreamOptions& options = {},
                   const RestrictedQuadtree* base = nullptr);
 
 /// The same, bit for bit.
 ///
 /// base     as it was written with
-/// fails    not_found, io; corrupt, with the byte where it shows; unsupported: another version, or more than the limits allow;
-///          invalid_argument: an increment without the answer that it goes on from
+/// fails    not_found, io; corrupt, with the byte where it shows; unsupported: another version, or more than the limits
+///          allow; invalid_argument: an increment without the answer that it goes on from
 [[nodiscard]] Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits = {},
                                  const RestrictedQuadtree* base = nullptr, int threads = 1);
 

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "query/export/writers.hpp"
-#include "query/ground.hpp"
+#include "query/geo/ground.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -33,7 +33,8 @@ struct Upward {
 
 /// A few units in the last place of a double: what base + float · unit itself may round.
 bool restores(const Upward& upward, double height) {
-  return std::abs(upward.height(upward.at(height)) - height) <= 4 * 0x1p-52 * (std::abs(height) + std::abs(upward.base));
+  return std::abs(upward.height(upward.at(height)) - height) <=
+         4 * 0x1p-52 * (std::abs(height) + std::abs(upward.base));
 }
 
 Upward upward_of(const Mesh& mesh, const HeightStep& step) {
@@ -63,7 +64,8 @@ class Model {
 
   [[nodiscard]] std::array<float, 3> position(std::size_t i) const {
     const Place p = mesh_.place(i);
-    return {static_cast<float>(p.col - middle_.col), upward_.at(mesh_.heights[i]), static_cast<float>(p.row - middle_.row)};
+    return {static_cast<float>(p.col - middle_.col), upward_.at(mesh_.heights[i]),
+            static_cast<float>(p.row - middle_.row)};
   }
 
   struct Box {
@@ -76,14 +78,16 @@ class Model {
     for (std::size_t i = 0; i < mesh_.size(); ++i) {
       const std::array<float, 3> p = position(i);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(p[axis])) throw Failure(Cause::unsupported, "a GLB file holds floats, and a height is beyond them");
+        if (!std::isfinite(p[axis]))
+          throw Failure(Cause::unsupported, "a GLB file holds floats, and a height is beyond them");
         box.low[axis] = std::min(box.low[axis], p[axis]);
         box.high[axis] = std::max(box.high[axis], p[axis]);
       }
     }
     for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
       if (mesh_.size() > 0 && (box.low[axis] < -kWhole || box.high[axis] > kWhole)) {
-        throw Failure(Cause::unsupported, "a GLB file counts at most 16777216 cells from its middle; ask for a smaller rectangle");
+        throw Failure(Cause::unsupported,
+                      "a GLB file counts at most 16777216 cells from its middle; ask for a smaller rectangle");
       }
     }
     return box;
@@ -167,24 +171,19 @@ Json document(const Model& model, std::size_t points, std::size_t triangles) {
   const Model::Box box = model.box();
   json["scenes"] = Json::array({{{"nodes", {0}}}});
   json["nodes"] = Json::array({model.node()});
-  json["meshes"] = Json::array({{{"primitives", Json::array({{{"attributes", {{"POSITION", 0}}},
-                                                              {"indices", 1},
-                                                              {"mode", kTriangles}}})}}});
-  json["accessors"] = Json::array({{{"bufferView", 0},
-                                    {"componentType", kFloat},
-                                    {"count", points},
-                                    {"type", "VEC3"},
-                                    {"min", box.low},
-                                    {"max", box.high}},
-                                   {{"bufferView", 1},
-                                    {"componentType", kUint32},
-                                    {"count", 3 * triangles},
-                                    {"type", "SCALAR"}}});
-  json["bufferViews"] = Json::array({{{"buffer", 0}, {"byteLength", 12 * points}, {"target", kArrayBuffer}},
-                                     {{"buffer", 0},
-                                      {"byteOffset", 12 * points},
-                                      {"byteLength", 12 * triangles},
-                                      {"target", kElementBuffer}}});
+  json["meshes"] = Json::array(
+      {{{"primitives", Json::array({{{"attributes", {{"POSITION", 0}}}, {"indices", 1}, {"mode", kTriangles}}})}}});
+  json["accessors"] =
+      Json::array({{{"bufferView", 0},
+                    {"componentType", kFloat},
+                    {"count", points},
+                    {"type", "VEC3"},
+                    {"min", box.low},
+                    {"max", box.high}},
+                   {{"bufferView", 1}, {"componentType", kUint32}, {"count", 3 * triangles}, {"type", "SCALAR"}}});
+  json["bufferViews"] = Json::array(
+      {{{"buffer", 0}, {"byteLength", 12 * points}, {"target", kArrayBuffer}},
+       {{"buffer", 0}, {"byteOffset", 12 * points}, {"byteLength", 12 * triangles}, {"target", kElementBuffer}}});
   json["buffers"] = Json::array({{{"byteLength", 12 * (points + triangles)}}});
   return json;
 }
@@ -194,15 +193,16 @@ Json document(const Model& model, std::size_t points, std::size_t triangles) {
 Metres write_glb(const Mesh& mesh, const Description& description, OutputFile& out) {
   const Model model(mesh, description);
   // A name of a CRS that is no UTF-8 loses the letters that are none.
-  std::string json = document(model, mesh.size(), mesh.triangles.size())
-                         .dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string json =
+      document(model, mesh.size(), mesh.triangles.size()).dump(-1, ' ', false, Json::error_handler_t::replace);
   json.append((4 - json.size() % 4) % 4, ' ');
   const std::uint64_t numbers = mesh.triangles.empty() ? 0 : 12 * std::uint64_t{mesh.size() + mesh.triangles.size()};
   const std::uint64_t bytes = 12 + 8 + json.size() + (numbers > 0 ? 8 + numbers : 0);
   if (bytes > std::numeric_limits<std::uint32_t>::max()) {
-    throw Failure(Cause::unsupported, fmt::format("a GLB file has at most 4 GiB, and {} vertices with {} triangles take "
-                                                  "more; ask for a smaller rectangle or a larger tolerance",
-                                                  mesh.size(), mesh.triangles.size()));
+    throw Failure(Cause::unsupported,
+                  fmt::format("a GLB file has at most 4 GiB, and {} vertices with {} triangles take "
+                              "more; ask for a smaller rectangle or a larger tolerance",
+                              mesh.size(), mesh.triangles.size()));
   }
   for (const std::uint32_t word : {kMagic, kVersion, static_cast<std::uint32_t>(bytes)}) out.write_little_endian(word);
   out.write_little_endian(static_cast<std::uint32_t>(json.size()));

@@ -320,8 +320,7 @@ void write_png(const Mesh& mesh, const Description& description, OutputFile& out
   const Quiet quiet;
   const CellSides cell = cell_sides(description, mesh.region);
   const Canvas canvas{mesh.region, cell};
-  const std::vector<std::byte> picture =
-      png_bytes(paint(mesh, description, canvas, cell), canvas.width, canvas.height);
+  const std::vector<std::byte> picture = png_bytes(paint(mesh, description, canvas, cell), canvas.width, canvas.height);
   out.write(picture.data(), picture.size());
 }
 

@@ -26,8 +26,8 @@
 namespace talus {
 namespace {
 
-constexpr std::int64_t kTile = 256;                              // samples a side
-constexpr std::int64_t kStripSamples = std::int64_t{1} << 21;    // at most, but a row of tiles
+constexpr std::int64_t kTile = 256;                            // samples a side
+constexpr std::int64_t kStripSamples = std::int64_t{1} << 21;  // at most, but a row of tiles
 constexpr double kOnCut = 1e-12;  // shares this little below zero are a corner's rounding, where a frame cut
 
 /// A closed triangle: a place in it is a mean of its corners with three shares, none below zero.
@@ -180,7 +180,8 @@ class Watch {
   /// fails  full, io: if anything failed so far
   void require(bool done = true) const {
     if (done && said_.empty()) return;
-    throw Failure(full_ ? Cause::full : Cause::io, fmt::format("cannot write {}: {}", file_, said_.empty() ? "GDAL does not say why" : said_));
+    throw Failure(full_ ? Cause::full : Cause::io,
+                  fmt::format("cannot write {}: {}", file_, said_.empty() ? "GDAL does not say why" : said_));
   }
 
  private:
@@ -208,15 +209,16 @@ struct Close {
 
 void write_tif(const Mesh& mesh, const Description& description, OutputFile& out) {
   const GridRect& r = mesh.region;
-  if (r.cols() < 1 || r.rows() < 1) throw Failure(Cause::invalid_argument, "a mesh without a region has no samples to write");
+  if (r.cols() < 1 || r.rows() < 1)
+    throw Failure(Cause::invalid_argument, "a mesh without a region has no samples to write");
   const Strips strips(mesh);
   const GDALDataType type = floats_hold(strips) ? GDT_Float32 : GDT_Float64;
 
   const Watch watch(out.target().string());
   GDALDriverH driver = GDALGetDriverByName("GTiff");
   if (driver == nullptr) throw Failure(Cause::unsupported, "this GDAL writes no GeoTIFF");
-  const char* const options[] = {"TILED=YES",     "BLOCKXSIZE=256",     "BLOCKYSIZE=256",
-                                 "COMPRESS=DEFLATE", "PREDICTOR=3", "BIGTIFF=IF_SAFER", nullptr};
+  const char* const options[] = {"TILED=YES",   "BLOCKXSIZE=256",   "BLOCKYSIZE=256", "COMPRESS=DEFLATE",
+                                 "PREDICTOR=3", "BIGTIFF=IF_SAFER", nullptr};
   std::unique_ptr<void, Close> raster{GDALCreate(driver, out.beside().c_str(), static_cast<int>(r.cols()),
                                                  static_cast<int>(r.rows()), 1, type, options)};
   watch.require(raster != nullptr);
@@ -224,7 +226,8 @@ void write_tif(const Mesh& mesh, const Description& description, OutputFile& out
   const GridMapping& m = description.mapping;  // GDAL's origin is the corner of a pixel, ours a sample, its centre
   std::array<double, 6> corner{m.x(r.first.col - 0.5), m.dx, 0, m.y(r.first.row - 0.5), 0, m.dy};
   watch.require(GDALSetGeoTransform(raster.get(), corner.data()) == CE_None);
-  if (!description.crs_wkt.empty()) watch.require(GDALSetProjection(raster.get(), description.crs_wkt.c_str()) == CE_None);
+  if (!description.crs_wkt.empty())
+    watch.require(GDALSetProjection(raster.get(), description.crs_wkt.c_str()) == CE_None);
   GDALRasterBandH band = GDALGetRasterBand(raster.get(), 1);
   watch.require(GDALSetRasterNoDataValue(band, std::numeric_limits<double>::quiet_NaN()) == CE_None);
   watch.require(GDALSetRasterUnitType(band, description.vertical_unit.c_str()) == CE_None);

@@ -40,8 +40,10 @@ const Format& format_of(const std::filesystem::path& file) {
   for (const Format& format : kFormats) {
     if (format.ending == ending) return format;
   }
-  throw Failure(Cause::invalid_argument,
-                fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .glb, .tif, .png or .rqt", file.string()));
+  throw Failure(
+      Cause::invalid_argument,
+      fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .glb, .tif, .png or .rqt",
+                  file.string()));
 }
 
 // A mesh may come from anywhere; the writers index by it.

@@ -31,8 +31,8 @@ void write_png(const Mesh& mesh, const Description& description, OutputFile& out
 /// exactly. Up they are the source's own floats, or height steps from the middle height, where these restore every
 /// height; else the nearest float to the distance from the middle height. The node's scale makes metres of them, its
 /// translation the place: of a projected CRS its coordinates in metres (x, height, -y), so that double arithmetic gives
-/// every position back; of a geographic one the middle, cells having the size they have on the ground there. asset.extras
-/// holds the CRS, the origin in it and what restores coordinates in it.
+/// every position back; of a geographic one the middle, cells having the size they have on the ground there.
+/// asset.extras holds the CRS, the origin in it and what restores coordinates in it.
 ///
 /// returns  how far the file's surface may lie from the mesh's, in metres: 0 for heights that floats hold, at most 2⁻²⁵
 ///          of the range of others. Where a frame cut (clip_mesh) corners move sideways, by 2⁻²⁴ of the region's half

@@ -38,7 +38,8 @@ TEST_F(ErrorKindCommands, MidpointNeedsConsentAndEveryAnswerSaysSo) {
   const auto json = json_of(talus({"query", "a.talus", "--tolerance", "30", "--json"}));
   EXPECT_TRUE(json["bound"].is_null());
   EXPECT_EQ(json["error_kind"], "midpoint");
-  for (std::vector<std::string> words : {std::vector<std::string>{"info", "a.rqt"}, {"convert", "a.rqt", "-o", "a.ply"}}) {
+  for (std::vector<std::string> words :
+       {std::vector<std::string>{"info", "a.rqt"}, {"convert", "a.rqt", "-o", "a.ply"}}) {
     SCOPED_TRACE(words.front());
     EXPECT_THAT(talus(words).out, HasSubstr("bound      none"));
     words.push_back("--json");
@@ -46,7 +47,8 @@ TEST_F(ErrorKindCommands, MidpointNeedsConsentAndEveryAnswerSaysSo) {
     EXPECT_TRUE(said["bound"].is_null());
     EXPECT_EQ(said["error_kind"], "midpoint");
   }
-  const auto profile = json_of(talus({"profile", "a.talus", "--line=450100,5199900,452000,5198200", "--tolerance", "30", "--json"}));
+  const auto profile =
+      json_of(talus({"profile", "a.talus", "--line=450100,5199900,452000,5198200", "--tolerance", "30", "--json"}));
   EXPECT_TRUE(profile["bound"].is_null());
 
   const Outcome checked = talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", "30"});
@@ -95,7 +97,8 @@ TEST_F(ErrorKindCommands, WhatDoesNotGoTogetherIsRefused) {
   ingested("a.talus", {"--error", "midpoint", "--no-guarantee"});
   expect_refusal(talus({"ingest", "--update", "a.tif", "a.talus", "--error", "nested"}), {failed, usage}, {"--update"});
   for (const char* heights : {"bounded", "dense"})
-    expect_refusal(talus({"query", "a.talus", "--tolerance", "5", "--heights", heights}), {failed, usage}, {"midpoint"});
+    expect_refusal(talus({"query", "a.talus", "--tolerance", "5", "--heights", heights}), {failed, usage},
+                   {"midpoint"});
   EXPECT_EQ(talus({"ingest", "--update", "a.tif", "a.talus"}).exit_code, done);
   EXPECT_EQ(json_of(talus({"info", "a.talus", "--json"}))["error_kind"], "midpoint");
 }

@@ -259,7 +259,8 @@ TEST_F(Inputs, AHeightStepRoundsAndHalfOfItIsPartOfEveryBound) {
   EXPECT_EQ(json_of(talus({"info", "a.talus", "--json"})).at("lossy_metres"), 2.5);
   // verify holds the mesh against the source itself.
   double largest = 0;
-  for (std::size_t i = 0; i < found.values.size(); ++i) largest = std::max(largest, std::abs(found.values[i] - raster.values[i]));
+  for (std::size_t i = 0; i < found.values.size(); ++i)
+    largest = std::max(largest, std::abs(found.values[i] - raster.values[i]));
   const auto verified = [&](const char* tolerance) {
     const Outcome outcome = talus({"verify", "a.talus", "--against", "a.tif", "--tolerance", tolerance, "--json"});
     EXPECT_EQ(outcome.exit_code, done) << outcome.out;

@@ -76,7 +76,8 @@ TEST_F(Points, ManyLinesAreAnsweredInTheirOrder) {
 }
 
 TEST_F(Points, AMalformedLineIsNamedAfterTheAnswersBeforeIt) {
-  for (const std::string bad : {"450015", "", "450015 5199985 7", "north east", "450015;5199985", "nan 5", "inf 5", "1,,2"}) {
+  for (const std::string bad :
+       {"450015", "", "450015 5199985 7", "north east", "450015;5199985", "nan 5", "inf 5", "1,,2"}) {
     const Outcome outcome = from_input("450015 5199985\n450045 5199985\n" + bad + "\n450075 5199985\n");
     EXPECT_EQ(outcome.exit_code, usage) << bad;
     EXPECT_EQ(outcome.out, line_of(0, 0) + line_of(1, 0)) << bad;
@@ -101,7 +102,8 @@ TEST_F(Points, ADatabaseOfATolerancesVerticesHasSurfacesOnly) {
 }
 
 TEST_F(Points, AProfileIsCsvOrJsonOrAFile) {
-  const std::vector<std::string> question{"profile", "a.talus", "--line=450015,5199535,452685,5199535", "--tolerance", "5"};
+  const std::vector<std::string> question{"profile", "a.talus", "--line=450015,5199535,452685,5199535", "--tolerance",
+                                          "5"};
   const Outcome text = talus(question);
   EXPECT_EQ(text.exit_code, done) << text.err;
   EXPECT_THAT(text.out, ::testing::StartsWith("part,distance,x,y,height\n1,0,450015,5199535,"));
@@ -140,7 +142,8 @@ TEST_F(Points, WhatIsNoLineIsRefused) {
   refused("1,2,1,2", "two different points");
   expect_refusal(talus({"profile", "a.talus", "--line=1,2,3,4"}), {usage}, {"--tolerance"});
   expect_refusal(talus({"profile", "a.talus", "--tolerance=1"}), {usage}, {"--line"});
-  expect_refusal(talus({"profile", "a.talus", "--line=1,2,3,4", "--tolerance=1", "-o", "out.ply"}), {usage}, {"out.ply"});
+  expect_refusal(talus({"profile", "a.talus", "--line=1,2,3,4", "--tolerance=1", "-o", "out.ply"}), {usage},
+                 {"out.ply"});
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ TEST_F(StreamCommands, MergedAnswersAreTheBytesOfTheAnswerAskedInOneGo) {
     must({"merge", "base.rqt", "1.rqt", "2.rqt", "3.rqt", "-o", "merged.rqt", "-o", "merged.ply", "-o", "merged.tif"});
     EXPECT_TRUE(bytes_of(folder / "merged.rqt") == bytes_of(folder / "whole.rqt"));
     EXPECT_TRUE(bytes_of(folder / "merged.ply") == bytes_of(folder / "whole.ply"));
-    must({"convert", "merged.rqt", "-o", "converted.ply", "-o", "converted.obj", "-o", "converted.png", "-o", "converted.glb"});
+    must({"convert", "merged.rqt", "-o", "converted.ply", "-o", "converted.obj", "-o", "converted.png", "-o",
+          "converted.glb"});
     EXPECT_TRUE(bytes_of(folder / "converted.glb") == bytes_of(folder / "whole.glb"));
     EXPECT_TRUE(bytes_of(folder / "merged.tif") == bytes_of(folder / "whole.tif"));
     EXPECT_TRUE(bytes_of(folder / "converted.ply") == bytes_of(folder / "whole.ply"));
@@ -90,30 +91,35 @@ TEST_F(StreamCommands, ComeInThreeProfilesWhichHoldTheSame) {
     EXPECT_EQ(info["profile"], profile);
     EXPECT_EQ(info["bytes"], size);
     std::uint64_t vertices = 0, bytes = info["header_bytes"];
-    for (const auto& part : info["parts"]) vertices += part["vertices"].get<std::uint64_t>(), bytes += part["bytes"].get<std::uint64_t>();
+    for (const auto& part : info["parts"])
+      vertices += part["vertices"].get<std::uint64_t>(), bytes += part["bytes"].get<std::uint64_t>();
     EXPECT_EQ(vertices, info["vertices"]);
     EXPECT_EQ(bytes, size);
   }
   must({"convert", "p.rqt", "--profile", "balanced", "--bands", "3", "--threads", "2", "-o", "q.rqt"});
   must({"convert", "q.rqt", "-o", "q.ply"});
   EXPECT_TRUE(bytes_of(folder / "q.ply") == bytes_of(folder / "whole.ply"));
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "3", "--profile", "tiny", "-o", "x.rqt"}), {usage}, {"--profile", "tiny"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "3", "--profile", "tiny", "-o", "x.rqt"}), {usage},
+                 {"--profile", "tiny"});
   expect_refusal(talus({"info", "none.rqt"}), {failed}, {"none.rqt"});
 }
 
 TEST_F(StreamCommands, RoundHeightsWithinTheTolerance) {
   const auto exact = json_of(must({"query", "a.talus", "--tolerance", "6", "-o", "exact.rqt", "--json"}));
-  const auto bounded = json_of(must({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "-o", "bounded.rqt", "--json"}));
+  const auto bounded =
+      json_of(must({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "-o", "bounded.rqt", "--json"}));
   EXPECT_EQ(exact["quantum"], 0);
   EXPECT_GT(bounded["quantum"], 0);
   EXPECT_LE(bounded["bound"].get<double>(), 6.00000001);
   EXPECT_LT(bytes_of(folder / "bounded.rqt").size(), bytes_of(folder / "exact.rqt").size());
-  const auto dense = json_of(must({"query", "a.talus", "--tolerance", "6", "--heights", "dense", "-o", "dense.rqt", "--json"}));
+  const auto dense =
+      json_of(must({"query", "a.talus", "--tolerance", "6", "--heights", "dense", "-o", "dense.rqt", "--json"}));
   EXPECT_GT(dense["quantum"].get<double>(), 6);
   EXPECT_LE(dense["bound"].get<double>(), 6.00000001);
   EXPECT_GT(dense["vertices"].get<int>(), bounded["vertices"].get<int>());
   must({"query", "a.talus", "--tolerance", "20", "--heights", "bounded", "--quantum", "2", "-o", "base.rqt"});
-  must({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o", "more.rqt"});
+  must({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o",
+        "more.rqt"});
   must({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "2", "-o", "whole.rqt"});
   must({"merge", "base.rqt", "more.rqt", "-o", "merged.rqt"});
   EXPECT_TRUE(bytes_of(folder / "merged.rqt") == bytes_of(folder / "whole.rqt"));
@@ -121,16 +127,24 @@ TEST_F(StreamCommands, RoundHeightsWithinTheTolerance) {
   must({"query", "a.talus", "--from", "20", "--tolerance", "6", "-o", "plain.rqt"});
   expect_refusal(talus({"merge", "base.rqt", "plain.rqt", "-o", "x.rqt"}), {usage}, {"plain.rqt", "--quantum"});
   expect_refusal(talus({"merge", "bounded.rqt", "more.rqt", "-o", "x.rqt"}), {usage}, {"bounded.rqt"});
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "rough"}), {usage}, {"--heights", "rough"});
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--quantum", "2"}), {usage}, {"--quantum", "--heights bounded"});
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "0"}), {usage}, {"--quantum", "0"});
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "1", "--heights", "bounded", "--quantum", "40"}), {usage}, {"40 m", "1 m"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "rough"}), {usage},
+                 {"--heights", "rough"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--quantum", "2"}), {usage},
+                 {"--quantum", "--heights bounded"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "0"}), {usage},
+                 {"--quantum", "0"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "1", "--heights", "bounded", "--quantum", "40"}), {usage},
+                 {"40 m", "1 m"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "0", "--heights", "bounded"}), {usage}, {"0 m"});
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--border", "cover"}), {usage}, {"--border"});
-  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "dense"}), {usage}, {"dense"});
-  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "dense", "--quantum", "2"}), {usage}, {"--quantum"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--border", "cover"}), {usage},
+                 {"--border"});
+  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "dense"}), {usage},
+                 {"dense"});
+  expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "dense", "--quantum", "2"}), {usage},
+                 {"--quantum"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "rough"}), {usage}, {"rough", "dense"});
-  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded"}), {usage}, {"--quantum"});
+  expect_refusal(talus({"query", "a.talus", "--from", "20", "--tolerance", "6", "--heights", "bounded"}), {usage},
+                 {"--quantum"});
 }
 
 TEST_F(StreamCommands, AreReadFromAPipeAsTheyArrive) {

@@ -51,7 +51,8 @@ TEST_F(Words, NotesGoToStandardErrorALineEach) {
   EXPECT_EQ(dry.err, text.err);
   EXPECT_THAT(dry.out, Not(HasSubstr("note")));
   // What the work would be refused for, the dry run is.
-  expect_refusal(talus({"ingest", "a.tif", "a.talus", "--dry-run"}), {usage}, {"a.talus", "exists already", "--overwrite"});
+  expect_refusal(talus({"ingest", "a.tif", "a.talus", "--dry-run"}), {usage},
+                 {"a.talus", "exists already", "--overwrite"});
 }
 
 TEST_F(Words, AQueryThatWritesNothingSaysSo) {

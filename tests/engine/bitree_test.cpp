@@ -12,9 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/border.hpp"
-#include "engine/construction.hpp"
-#include "engine/triangulation.hpp"
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/construction.hpp"
+#include "engine/quadtree/triangulation.hpp"
 #include "talus/failure.hpp"
 #include "tests/engine/random_answers.hpp"
 #include "tests/engine/terrains.hpp"

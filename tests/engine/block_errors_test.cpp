@@ -1,12 +1,12 @@
 // The kernels give the codes of the definition where a hair decides: on the rungs of the ladder and beside them.
 
-#include "engine/block_errors.hpp"
+#include "engine/error/block_errors.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "engine/saturation.hpp"
+#include "engine/error/saturation.hpp"
 #include "tests/engine/fields.hpp"
 
 namespace talus::support {

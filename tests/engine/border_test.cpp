@@ -1,6 +1,6 @@
 // The border constraint: closed, tight, and agreed on by both sides of a shared line.
 
-#include "engine/border.hpp"
+#include "engine/quadtree/border.hpp"
 
 #include <algorithm>
 #include <cmath>

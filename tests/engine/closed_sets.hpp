@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/grid.hpp"
+#include "engine/quadtree/grid.hpp"
 #include "tests/engine/fields.hpp"
 
 namespace talus::support {

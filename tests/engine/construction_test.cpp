@@ -1,6 +1,6 @@
 // Closing a set under parents: both algorithms, against the definition.
 
-#include "engine/construction.hpp"
+#include "engine/quadtree/construction.hpp"
 
 #include <set>
 #include <string>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/border.hpp"
-#include "engine/saturation.hpp"
+#include "engine/error/saturation.hpp"
+#include "engine/quadtree/border.hpp"
 #include "tests/engine/closed_sets.hpp"
 #include "tests/engine/fields.hpp"
 

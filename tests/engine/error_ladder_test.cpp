@@ -1,6 +1,6 @@
 // Stored errors: what a code stands for, and that nothing is rounded down.
 
-#include "engine/error_ladder.hpp"
+#include "engine/error/error_ladder.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,15 +1,15 @@
 // Errors of other kinds: held to their definitions, by plain recursion over triangles.
 
-#include "engine/error_rule.hpp"
+#include "engine/error/error_rule.hpp"
 
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "engine/coarse_levels.hpp"
-#include "engine/other_errors.hpp"
-#include "engine/saturation.hpp"
+#include "engine/error/other_errors.hpp"
+#include "engine/error/saturation.hpp"
+#include "engine/tile/coarse_levels.hpp"
 #include "tests/engine/fields.hpp"
 #include "tests/engine/terrains.hpp"
 
@@ -144,7 +144,8 @@ TEST(OtherErrors, NestedAreNeverBelowExactAndMidpointNeverAbove) {
   Random random(7);
   const Terrain terrain = surface(129, 129, [&](int, int) { return random.between(0, 500); });
   Field field(terrain, {0, 0});
-  LevelGrid<ErrorCode> exact = reference_errors(field.input, kTileLevels), nested(field.extent, kTileLevels, 0), midpoint = nested;
+  LevelGrid<ErrorCode> exact = reference_errors(field.input, kTileLevels), nested(field.extent, kTileLevels, 0),
+                       midpoint = nested;
   saturate(field.input, exact);
   field.input.rule = rule(ErrorKind::nested);
   detail::other_errors(field.input, nested);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/tile.hpp"
+#include "engine/tile/tile.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace talus::support {

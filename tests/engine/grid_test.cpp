@@ -1,6 +1,6 @@
 // What a grid point's coordinates say: its diamond, its parents, its children.
 
-#include "engine/grid.hpp"
+#include "engine/quadtree/grid.hpp"
 
 #include <algorithm>
 #include <set>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/apex_halves.hpp"
-#include "engine/half_diamond.hpp"
+#include "engine/quadtree/apex_halves.hpp"
+#include "engine/quadtree/half_diamond.hpp"
 #include "tests/engine/fields.hpp"
 
 namespace talus::support {

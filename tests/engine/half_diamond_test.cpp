@@ -1,6 +1,6 @@
 // Halves of diamonds, row by row, and the plane over them.
 
-#include "engine/half_diamond.hpp"
+#include "engine/quadtree/half_diamond.hpp"
 
 #include <set>
 

@@ -1,6 +1,6 @@
 // The header of a database: what was said is what is read, and nonsense is refused.
 
-#include "engine/manifest.hpp"
+#include "engine/page/manifest.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "engine/page_layout.hpp"
+#include "engine/page/page_layout.hpp"
 #include "talus/failure.hpp"
 
 namespace talus::support {
@@ -172,7 +172,8 @@ TEST(Manifest, ImpossibleValuesAreCorrupt) {
 
 TEST(Provenance, DecodeOfEncodeIsTheProvenance) {
   Provenance p;
-  p.sources = {{"höhe.tif", "GTiff", "Int16", 1201, 1200, 123456789012, 0xfedcba9876543210}, {"b.hgt", "SRTMHGT", "Int16", 1, 2, 3, 4}};
+  p.sources = {{"höhe.tif", "GTiff", "Int16", 1201, 1200, 123456789012, 0xfedcba9876543210},
+               {"b.hgt", "SRTMHGT", "Int16", 1, 2, 3, 4}};
   p.made_by = "talus 9, --void-weight 2";
   p.generation = 7;
   p.vertices_above = {{0, 100}, {0.001, 90}, {50000, 0}};
@@ -194,7 +195,8 @@ TEST(Provenance, WhatIsNoneIsRefused) {
   for (const char* text : {"", "{", "[]", "{}", "{\"sources\": 7}",
                            "{\"sources\": [], \"made_by\": 1, \"generation\": 0, \"vertices_above\": []}",
                            "{\"sources\": [], \"made_by\": \"\", \"generation\": 0, \"vertices_above\": [[1]]}"}) {
-    EXPECT_THROW(static_cast<void>(decode_provenance(std::as_bytes(std::span(text, std::strlen(text))))), Failure) << text;
+    EXPECT_THROW(static_cast<void>(decode_provenance(std::as_bytes(std::span(text, std::strlen(text))))), Failure)
+        << text;
   }
 }
 

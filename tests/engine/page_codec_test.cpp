@@ -1,6 +1,6 @@
 // Pages and their bytes: nothing is lost, and damage is refused.
 
-#include "engine/page_codec.hpp"
+#include "engine/page/page_codec.hpp"
 
 #include <bit>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/saturation.hpp"
-#include "engine/vertex_error.hpp"
+#include "engine/error/saturation.hpp"
+#include "engine/error/vertex_error.hpp"
 #include "talus/failure.hpp"
 #include "tests/engine/fields.hpp"
 #include "tests/support/random.hpp"
@@ -220,7 +220,8 @@ TEST(PageCodec, SmoothWholeNumbersTakeUnderTwoBitsASampleErrorsIncluded) {
   for (std::int32_t row = 0; row < 128; ++row) {
     for (std::int32_t col = 0; col < 128; ++col) {
       const GridPoint p{col, row};
-      if (page.is_own(p)) page.errors[page.index(col, row)] = height_in_tree(p) >= errors.levels() ? kAlwaysSelected : errors[p];
+      if (page.is_own(p))
+        page.errors[page.index(col, row)] = height_in_tree(p) >= errors.levels() ? kAlwaysSelected : errors[p];
     }
   }
   EXPECT_LT(encode(page, CodeDistance()).size() * 8, page.heights.size() * 2);

@@ -1,6 +1,6 @@
 // Errors that follow from a page's heights are those of the definition, and fit those that are stored.
 
-#include "engine/page_errors.hpp"
+#include "engine/page/page_errors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/page_codec.hpp"
-#include "engine/saturation.hpp"
+#include "engine/error/saturation.hpp"
+#include "engine/page/page_codec.hpp"
 #include "tests/engine/fields.hpp"
 #include "tests/support/random.hpp"
 
@@ -93,9 +93,9 @@ struct Packed {
       for (std::int32_t col = 0; col < given.grid.cols; ++col) {
         const GridPoint p = given.grid.at(col, row);
         given.heights.push_back(field.input.field[p]);
-        given.errors.push_back(!given.is_own(p)              ? ErrorCode{0}
+        given.errors.push_back(!given.is_own(p)                       ? ErrorCode{0}
                                : height_in_tree(p) >= errors.levels() ? kAlwaysSelected
-                                                             : errors[p]);
+                                                                      : errors[p]);
         given.valid.push_back(field.valid[field.input.field.index(p)]);
         given.covers.push_back(given.is_own(p) && field.voids ? field.voids->apex_triangles_with_data(p)
                                                               : std::uint8_t{0});

@@ -1,6 +1,6 @@
 // Heights coarse to fine: a page cut by the extent goes through a part of its square, and must not notice.
 
-#include "engine/page_heights.hpp"
+#include "engine/page/page_heights.hpp"
 
 #include <cstddef>
 #include <cstdint>

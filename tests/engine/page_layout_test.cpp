@@ -1,6 +1,6 @@
 // The cut into pages: every sample has its place, and one only.
 
-#include "engine/page_layout.hpp"
+#include "engine/page/page_layout.hpp"
 
 #include <limits>
 #include <set>

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "engine/border.hpp"
+#include "engine/quadtree/border.hpp"
 #include "talus/quadtree.hpp"
 #include "tests/engine/closed_sets.hpp"
 

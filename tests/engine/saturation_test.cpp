@@ -1,6 +1,6 @@
 // Saturation: a threshold alone must select a set closed under parents, and zero must mean zero.
 
-#include "engine/saturation.hpp"
+#include "engine/error/saturation.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 // Strips as bits: what is read is what was written, whoever reads it; what is damaged is refused.
 
-#include "engine/strip_codec.hpp"
+#include "engine/strip/strip_codec.hpp"
 
 #include <cmath>
 #include <map>

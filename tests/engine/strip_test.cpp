@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/triangulation.hpp"
+#include "engine/quadtree/triangulation.hpp"
 #include "talus/failure.hpp"
 #include "tests/engine/random_answers.hpp"
 

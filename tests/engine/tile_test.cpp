@@ -1,6 +1,6 @@
 // A tile knows from its window alone what plain loops over everything say.
 
-#include "engine/tile.hpp"
+#include "engine/tile/tile.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/kernel_choice.hpp"
-#include "engine/saturation.hpp"
+#include "engine/error/kernel_choice.hpp"
+#include "engine/error/saturation.hpp"
 #include "talus/failure.hpp"
 #include "tests/engine/fields.hpp"
 #include "tests/engine/terrains.hpp"

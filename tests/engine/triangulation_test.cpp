@@ -1,17 +1,17 @@
 // The triangulation without recursion, against plain recursion from the root.
 
-#include "engine/triangulation.hpp"
-#include "talus/failure.hpp"
+#include "engine/quadtree/triangulation.hpp"
 
 #include <algorithm>
 #include <set>
-#include <utility>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
-#include "engine/border.hpp"
-#include "engine/voids.hpp"
+#include "engine/error/voids.hpp"
+#include "engine/quadtree/border.hpp"
+#include "talus/failure.hpp"
 #include "tests/engine/closed_sets.hpp"
 
 namespace talus::support {
@@ -147,7 +147,8 @@ TEST(Triangulation, EmitsOnlyTrianglesThatCoverData) {
   }
 }
 
-// What damaged errors might select. Under the address sanitizer this also shows that nothing is written beyond its place.
+// What damaged errors might select. Under the address sanitizer this also shows that nothing is written beyond its
+// place.
 TEST(Triangulation, ThreadsChangeNothing) {
   Random random(7);
   for (const GridRect region : {GridRect{{-3, -70}, {500, 505}}, GridRect{{64, 128}, {264, 1328}}}) {
@@ -161,7 +162,8 @@ TEST(Triangulation, ThreadsChangeNothing) {
       const Mesh one = triangulate(*quadtree, 1);
       for (const int threads : {2, 3, 7}) {
         const Mesh mesh = triangulate(*quadtree, threads);
-        EXPECT_TRUE(mesh.points == one.points && mesh.heights == one.heights && mesh.triangles == one.triangles) << threads;
+        EXPECT_TRUE(mesh.points == one.points && mesh.heights == one.heights && mesh.triangles == one.triangles)
+            << threads;
       }
     }
   }

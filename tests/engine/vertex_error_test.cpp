@@ -1,6 +1,6 @@
 // The plain loop that defines a vertex's error, and the arithmetic it rests on.
 
-#include "engine/vertex_error.hpp"
+#include "engine/error/vertex_error.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/saturation.hpp"
+#include "engine/error/saturation.hpp"
 #include "tests/engine/fields.hpp"
 
 namespace talus::support {

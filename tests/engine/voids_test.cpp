@@ -1,6 +1,6 @@
 // What counts as data, against brute force over the finest triangles.
 
-#include "engine/voids.hpp"
+#include "engine/error/voids.hpp"
 
 #include <algorithm>
 #include <set>

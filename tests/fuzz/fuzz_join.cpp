@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/stream_codec.hpp"
-#include "engine/triangulation.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "talus/failure.hpp"
 #include "talus/increment.hpp"
 #include "tests/fuzz/reseal.hpp"

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <span>
 
-#include "engine/manifest.hpp"
-#include "engine/page_layout.hpp"
+#include "engine/page/manifest.hpp"
+#include "engine/page/page_layout.hpp"
 #include "talus/failure.hpp"
 
 namespace {

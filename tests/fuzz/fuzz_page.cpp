@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "engine/page_codec.hpp"
+#include "engine/page/page_codec.hpp"
 #include "talus/failure.hpp"
 
 namespace {

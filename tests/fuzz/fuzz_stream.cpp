@@ -1,5 +1,5 @@
-// Arbitrary bytes as a stream, and the same with checksums that fit: refused, or one that is written and read again. Then as
-// an increment of a small answer.
+// Arbitrary bytes as a stream, and the same with checksums that fit: refused, or one that is written and read again.
+// Then as an increment of a small answer.
 
 #include <cstdint>
 #include <cstdlib>
@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/stream_codec.hpp"
-#include "engine/stream_header.hpp"
-#include "engine/triangulation.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "engine/stream/stream_codec.hpp"
+#include "engine/stream/stream_header.hpp"
 #include "talus/failure.hpp"
 #include "tests/fuzz/reseal.hpp"
 
@@ -23,7 +23,8 @@ void require(bool holds) {
 }
 
 bool is_refusal(const Failure& failure) {
-  return failure.cause() == Cause::corrupt || failure.cause() == Cause::unsupported || failure.cause() == Cause::invalid_argument;
+  return failure.cause() == Cause::corrupt || failure.cause() == Cause::unsupported ||
+         failure.cause() == Cause::invalid_argument;
 }
 
 const StreamLimits kLimits{std::uint64_t{1} << 20, std::uint64_t{1} << 20};

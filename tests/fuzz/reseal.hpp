@@ -8,7 +8,7 @@
 
 #include <xxhash.h>
 
-#include "engine/stream_header.hpp"
+#include "engine/stream/stream_header.hpp"
 
 namespace talus {
 

@@ -1,5 +1,5 @@
-// Danger: heights as multiples of a quantum so small that the multiple is no number any more. A height over the smallest
-// quantum is infinite, and infinity times the quantum is what the client gets.
+// Danger: heights as multiples of a quantum so small that the multiple is no number any more. A height over the
+// smallest quantum is infinite, and infinity times the quantum is what the client gets.
 
 #include <cmath>
 #include <limits>

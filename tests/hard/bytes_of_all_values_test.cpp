@@ -1,5 +1,5 @@
-// Danger: bytes that use all of their 256 values, lowest beside highest. No value is left to mean a void, a sum of two wraps
-// around, and whoever takes 0 or 255 for a void makes holes in the steepest places.
+// Danger: bytes that use all of their 256 values, lowest beside highest. No value is left to mean a void, a sum of two
+// wraps around, and whoever takes 0 or 255 for a void makes holes in the steepest places.
 
 #include <cmath>
 #include <cstdint>

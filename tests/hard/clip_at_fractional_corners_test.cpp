@@ -1,5 +1,5 @@
-// Danger: an answer cut at a rectangle whose corners lie on no sample. A cut's height, found from whichever end of the edge a
-// triangle begins with, differs in its last digits between the two that share the edge, and a crack opens there.
+// Danger: an answer cut at a rectangle whose corners lie on no sample. A cut's height, found from whichever end of the
+// edge a triangle begins with, differs in its last digits between the two that share the edge, and a crack opens there.
 
 #include <array>
 #include <cmath>
@@ -22,7 +22,8 @@ double naive_cut(double from, double to, double t) { return from + t * (to - fro
 HardCase hard_case() {
   HardCase hard{.terrain = fractal(140, 90, 23, 1200)};
   double turn = 0;
-  for (double& height : hard.terrain.values) height += std::sin(turn += 0.7) - 1400;  // all bits of a double, about sea level
+  // all bits of a double, about sea level
+  for (double& height : hard.terrain.values) height += std::sin(turn += 0.7) - 1400;
   hard.file.type = SampleType::float64;
   return hard;
 }
@@ -81,7 +82,8 @@ TEST(ClipAtFractionalCorners, KeepsThePromise) {
   for (const Frame frame : {Frame{10 + third, 8 + third, 100.7, 60.1}, Frame{63.999999, 31.5, 128.000001, 64.25},
                             Frame{5 + 1e-9, 5 + 1e-9, 6 - 1e-9, 6 - 1e-9}, Frame{0, 0, 139, 89},
                             Frame{64 + third, 0, 64 + 2 * third, 89}}) {
-    SCOPED_TRACE(::testing::Message() << frame.west << ", " << frame.north << " to " << frame.east << ", " << frame.south);
+    SCOPED_TRACE(::testing::Message() << frame.west << ", " << frame.north << " to " << frame.east << ", "
+                                      << frame.south);
     const double middle = frame.west + (frame.east - frame.west) * third;
     const Frame west{frame.west, frame.north, middle, frame.south}, east{middle, frame.north, frame.east, frame.south};
     std::vector<Mesh> parts;

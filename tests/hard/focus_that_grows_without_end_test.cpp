@@ -1,5 +1,5 @@
-// Danger: a tolerance that grows from a focus by 10³⁰⁰ metres a metre, or hardly at all. Compared as squares, which saves a
-// root, infinity times a distance of zero is no number, and the one sample that was to be exact is left out.
+// Danger: a tolerance that grows from a focus by 10³⁰⁰ metres a metre, or hardly at all. Compared as squares, which
+// saves a root, infinity times a distance of zero is no number, and the one sample that was to be exact is left out.
 
 #include <cmath>
 #include <limits>
@@ -36,8 +36,7 @@ TEST(FocusThatGrowsWithoutEnd, KeepsThePromise) {
       SCOPED_TRACE(::testing::Message() << at_focus << " m, growing by " << growth);
       Question question;
       question.region = database.extent();
-      question.field =
-          focus_tolerance(d, d.mapping.x(kFocus.col), d.mapping.y(kFocus.row), growth, Metres{at_focus});
+      question.field = focus_tolerance(d, d.mapping.x(kFocus.col), d.mapping.y(kFocus.row), growth, Metres{at_focus});
       const Answer answer = without_float_exceptions([&] { return database.now().ask(question); });
       EXPECT_FALSE(std::isnan(answer.quadtree.bound.value));
       const Mesh mesh = triangulate(answer.quadtree);

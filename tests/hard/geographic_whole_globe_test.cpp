@@ -1,6 +1,6 @@
 // Danger: a raster around the whole globe, from pole to pole. Its first and last columns stand half a cell from the
-// antimeridian on either side; whoever measures a side by the difference of longitudes, brought between -180° and 180°, finds
-// one of 359 degrees to be one degree long.
+// antimeridian on either side; whoever measures a side by the difference of longitudes, brought between -180° and 180°,
+// finds one of 359 degrees to be one degree long.
 
 #include <cmath>
 

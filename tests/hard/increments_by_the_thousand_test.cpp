@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/stream_codec.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "tests/support/float_exceptions.hpp"
 #include "tests/support/hard_case.hpp"
 #include "tests/support/quadtrees.hpp"

@@ -1,11 +1,11 @@
-// Danger: a stream whose levels are cut into more bands than they have vertices, or none at all. Vertices a band, rounded
-// down, are none, and nobody can divide by that or skip ahead in steps of it.
+// Danger: a stream whose levels are cut into more bands than they have vertices, or none at all. Vertices a band,
+// rounded down, are none, and nobody can divide by that or skip ahead in steps of it.
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "engine/stream_codec.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "tests/support/float_exceptions.hpp"
 #include "tests/support/hard_case.hpp"
 #include "tests/support/quadtrees.hpp"
@@ -24,9 +24,11 @@ void expect_streams(const HardDatabase& database) {
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       for (const int threads : {0, 1, 3}) {
         const StreamOptions options{.profile = profile, .threads = threads, .bands = kBands};
-        const auto back = without_float_exceptions([&] {
-          return decode_stream(encode({now.description(), answer}, options), {}, nullptr, threads).content;
-        }, FE_DIVBYZERO | FE_OVERFLOW);
+        const auto back = without_float_exceptions(
+            [&] {
+              return decode_stream(encode({now.description(), answer}, options), {}, nullptr, threads).content;
+            },
+            FE_DIVBYZERO | FE_OVERFLOW);
         EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back), answer), "");
       }
     }

@@ -1,5 +1,5 @@
-// Danger: an answer at tolerance 0 beside one at infinity, and a strip one cell wide between two others. Asked one by one
-// they meet at the corners only: every sample on the fine side hangs in an edge of the coarse one.
+// Danger: an answer at tolerance 0 beside one at infinity, and a strip one cell wide between two others. Asked one by
+// one they meet at the corners only: every sample on the fine side hangs in an edge of the coarse one.
 
 #include <limits>
 #include <vector>
@@ -44,7 +44,8 @@ TEST(NeighboursOfFarTolerances, KeepThePromise) {
       {question(kWest, std::numeric_limits<double>::denorm_min()), question(kEast, 1e300)},
       {question({{0, 0}, {64, 89}}, kInfinity), question({{64, 0}, {65, 89}}, 0), question({{65, 0}, {139, 89}}, 30)}};
   for (const std::vector<Question>& questions : patches) {
-    const std::vector<Answer> answers = without_float_exceptions([&] { return database.now().ask_together(questions); });
+    const std::vector<Answer> answers =
+        without_float_exceptions([&] { return database.now().ask_together(questions); });
     Mesh all;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const Mesh mesh = triangulate(answers[i].quadtree);

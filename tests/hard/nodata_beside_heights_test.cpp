@@ -1,5 +1,5 @@
-// Danger: valid floats that lie close to the number for voids. Whoever compares with more slack than GDAL, which takes what
-// is within five steps of a float for the number itself, makes holes where there is data.
+// Danger: valid floats that lie close to the number for voids. Whoever compares with more slack than GDAL, which takes
+// what is within five steps of a float for the number itself, makes holes where there is data.
 
 #include <cmath>
 

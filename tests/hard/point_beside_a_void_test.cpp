@@ -1,5 +1,5 @@
-// Danger: a point on a line of samples, with voids on one side of the line. Their weight is zero; if they are NaN, zero times
-// them is NaN, and the height of a sample that is there is none.
+// Danger: a point on a line of samples, with voids on one side of the line. Their weight is zero; if they are NaN, zero
+// times them is NaN, and the height of a sample that is there is none.
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
-// Danger: heights of plus and minus a million metres as multiples of a millimetre and less. The multiples need 33 bits with
-// their sign; a float has 24, and what it makes of them is off by many times the tolerance.
+// Danger: heights of plus and minus a million metres as multiples of a millimetre and less. The multiples need 33 bits
+// with their sign; a float has 24, and what it makes of them is off by many times the tolerance.
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,8 @@ TEST(QuantisedAtAMillionMetres, KeepsThePromise) {
 /// Multiples of 0.05 are no doubles: those stored are off by as much as doubles are apart there, and the bound says so.
 TEST(QuantisedAtAMillionMetres, TheBoundCountsInThatMultiplesAreRounded) {
   constexpr double kTwentieth = 0.05;
-  HardCase hard{.terrain = surface(60, 40, [](int col, int row) { return 999990 + ((col * 7 + row * 3) % 111 + 0.5) * kTwentieth; })};
+  HardCase hard{.terrain = surface(
+                    60, 40, [](int col, int row) { return 999990 + ((col * 7 + row * 3) % 111 + 0.5) * kTwentieth; })};
   hard.file.type = SampleType::float64;
   const HardDatabase database(hard);
   const RestrictedQuadtree answer =
@@ -61,7 +62,8 @@ TEST(QuantisedAtAMillionMetres, TheBoundCountsInThatMultiplesAreRounded) {
   long double largest = 0;
   std::size_t i = 0;
   answer.vertices.for_each([&](GridPoint p) {
-    largest = std::max(largest, std::abs(static_cast<long double>(answer.heights[i++]) - hard.terrain.at(p.col, p.row)));
+    largest =
+        std::max(largest, std::abs(static_cast<long double>(answer.heights[i++]) - hard.terrain.at(p.col, p.row)));
   });
   EXPECT_GT(largest, static_cast<long double>(kTwentieth) / 2) << "half a quantum is not all";
   EXPECT_LE(largest, answer.bound.value);

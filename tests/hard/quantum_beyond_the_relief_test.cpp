@@ -1,5 +1,5 @@
-// Danger: heights sent as multiples of a quantum far larger than the relief. Whoever cuts them off to multiples drops one
-// side of a hill of six metres by eight hundred, more than twice the tolerance.
+// Danger: heights sent as multiples of a quantum far larger than the relief. Whoever cuts them off to multiples drops
+// one side of a hill of six metres by eight hundred, more than twice the tolerance.
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +40,8 @@ TEST(QuantumBeyondTheRelief, KeepsThePromise) {
       });
       const Mesh mesh = database.streamed(answer.quadtree);
       for (const double height : mesh.heights) ASSERT_EQ(height, kQuantum);
-      // Nested answers are asked at what rounding leaves of the tolerance, others have the region's sides from there: of
-      // 400 m less 400 m that is all samples.
+      // Nested answers are asked at what rounding leaves of the tolerance, others have the region's sides from there:
+      // of 400 m less 400 m that is all samples.
       EXPECT_TRUE(nested || mesh.points.size() < database.truth().values.size() / 8);
     }
   }

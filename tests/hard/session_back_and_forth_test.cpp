@@ -1,5 +1,5 @@
-// Danger: a client that goes back and forth between tolerances and rectangles two hundred times. Whoever only adds to what
-// it has ends with more than it asked for, which is no answer: its mesh covers what lies outside, or cracks there.
+// Danger: a client that goes back and forth between tolerances and rectangles two hundred times. Whoever only adds to
+// what it has ends with more than it asked for, which is no answer: its mesh covers what lies outside, or cracks there.
 
 #include <gtest/gtest.h>
 

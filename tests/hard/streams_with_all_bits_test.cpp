@@ -1,5 +1,5 @@
-// Danger: streams of doubles that need every bit, of denormals and of zeros of both signs. Whoever sends the difference from
-// a prediction and adds it up again has other numbers: rounded ones, and zeros without their sign.
+// Danger: streams of doubles that need every bit, of denormals and of zeros of both signs. Whoever sends the difference
+// from a prediction and adds it up again has other numbers: rounded ones, and zeros without their sign.
 
 #include <bit>
 #include <cmath>

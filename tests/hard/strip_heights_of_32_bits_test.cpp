@@ -1,5 +1,5 @@
-// Danger: a strip whose heights take all of 32 bits, and one whose heights take none. Read as signed numbers half of the
-// former lie below the lowest; and of a range of zero the logarithm is minus infinity.
+// Danger: a strip whose heights take all of 32 bits, and one whose heights take none. Read as signed numbers half of
+// the former lie below the lowest; and of a range of zero the logarithm is minus infinity.
 
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,6 @@
-// Danger: floats of both signs, every second one void. A void that no triangle needs is stored as nothing, and what stands in
-// its place when it is read, halfway between the bits of its neighbours, is a number beyond all heights, which no quantum fits.
+// Danger: floats of both signs, every second one void. A void that no triangle needs is stored as nothing, and what
+// stands in its place when it is read, halfway between the bits of its neighbours, is a number beyond all heights,
+// which no quantum fits.
 
 #include <bit>
 #include <cmath>
@@ -53,8 +54,9 @@ TEST(VoidCheckerboardOfFloats, KeepsThePromise) {
       const Description& d = now.description();
       for (const GridRect region : {database.extent(), GridRect{{2, 3}, {20, 21}}, GridRect{{2, 16}, {6, 21}}}) {
         for (const double tolerance : {1e-6, 1e-3, 1.0}) {
-          for (const Answer& answer : {now.range(region, Metres{tolerance}), now.bounded(region, Metres{tolerance}), now.dense(region, Metres{tolerance}),
-                                       now.fitted(region, Metres{tolerance}), now.quantised(region, Metres{tolerance}, Metres{1e-6})}) {
+          for (const Answer& answer : {now.range(region, Metres{tolerance}), now.bounded(region, Metres{tolerance}),
+                                       now.dense(region, Metres{tolerance}), now.fitted(region, Metres{tolerance}),
+                                       now.quantised(region, Metres{tolerance}, Metres{1e-6})}) {
             for (const double height : answer.quadtree.heights)
               EXPECT_TRUE(height == 0 || (height >= d.minimum - 1.1 && height <= d.maximum + 1.1)) << height;
             static_cast<void>(database.streamed(answer.quadtree));

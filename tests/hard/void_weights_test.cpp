@@ -1,5 +1,5 @@
-// Danger: void weights of zero, of a million and of hardly anything, with ground sides that have no end beyond the root. Zero
-// times infinity is no number, and no number is within every tolerance or none, by the way that one asks.
+// Danger: void weights of zero, of a million and of hardly anything, with ground sides that have no end beyond the
+// root. Zero times infinity is no number, and no number is within every tolerance or none, by the way that one asks.
 
 #include <cmath>
 #include <limits>

@@ -116,7 +116,8 @@ TEST(FinestTolerance, AnswersOverSeveralTilesKeepIt) {
 
 /// Pages of voids alone are not stored, though others on their shelves are, and borders lead into them.
 TEST(FinestTolerance, BordersMayEndAmidPagesOfVoids) {
-  const Kept kept(hole(ground(700, 500, 4, SampleType::int16, false), 200, 100, 610, 480), SampleType::int16, keeping(5));
+  const Kept kept(hole(ground(700, 500, 4, SampleType::int16, false), 200, 100, 610, 480), SampleType::int16,
+                  keeping(5));
   Random random(6);
   for (int i = 0; i < 60; ++i) kept.expect_promise(random_region(random, 700, 500), 20, 5);
 }

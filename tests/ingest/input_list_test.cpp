@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ingest/input_files.hpp"
-#include "ingest/source.hpp"
+#include "ingest/mosaic/input_files.hpp"
+#include "ingest/mosaic/source.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"

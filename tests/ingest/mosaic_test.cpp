@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ingest/source.hpp"
+#include "ingest/mosaic/source.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/random.hpp"

@@ -1,6 +1,6 @@
 // The file an ingest works in: published whole, or gone.
 
-#include "ingest/part_file.hpp"
+#include "ingest/work/part_file.hpp"
 
 #include <fstream>
 #include <functional>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/manifest.hpp"
+#include "engine/page/manifest.hpp"
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/raster_file.hpp"

@@ -1,6 +1,6 @@
 // What verify holds databases against: values here are those that the test itself wrote, through GDAL alone.
 
-#include "ingest/plain_reader.hpp"
+#include "ingest/raster/plain_reader.hpp"
 
 #include <cmath>
 #include <limits>

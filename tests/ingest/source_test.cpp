@@ -1,4 +1,4 @@
-#include "ingest/source.hpp"
+#include "ingest/mosaic/source.hpp"
 
 #include <array>
 #include <bit>

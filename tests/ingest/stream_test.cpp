@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/manifest.hpp"
-#include "engine/tile.hpp"
-#include "ingest/budget.hpp"
-#include "ingest/panels.hpp"
+#include "engine/page/manifest.hpp"
+#include "engine/tile/tile.hpp"
+#include "ingest/work/memory_plan.hpp"
+#include "ingest/work/panels.hpp"
 #include "storage/page_store.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/inputs.hpp"
@@ -54,9 +54,10 @@ TEST(Panels, EachSampleIsOneTilesOwnAndEachWindowHoldsItsTiles) {
         const GridRect window = tile_window(id, extent);
         if (window.cols() <= 0 || window.rows() <= 0) continue;
         EXPECT_TRUE(panel.window.contains(window.first) && panel.window.contains(window.last));
-        const GridRect square{{std::max(id.x * kTileSide, extent.first.col), std::max(id.y * kTileSide, extent.first.row)},
-                              {std::min(id.x * kTileSide + kTileSide - 1, extent.last.col),
-                               std::min(id.y * kTileSide + kTileSide - 1, extent.last.row)}};
+        const GridRect square{
+            {std::max(id.x * kTileSide, extent.first.col), std::max(id.y * kTileSide, extent.first.row)},
+            {std::min(id.x * kTileSide + kTileSide - 1, extent.last.col),
+             std::min(id.y * kTileSide + kTileSide - 1, extent.last.row)}};
         if (square.cols() > 0 && square.rows() > 0) own += square.samples();
       }
     }
@@ -186,8 +187,9 @@ Seen answer(const fs::path& database, double tolerance) {
 void write_part(const Terrain& whole, GridRect part, const fs::path& file) {
   RasterOptions options;
   options.geotransform = {static_cast<double>(part.first.col), 1, 0, -static_cast<double>(part.first.row), 0, -1};
-  write_raster(crop(whole, part.first.col, part.first.row, static_cast<int>(part.cols()), static_cast<int>(part.rows())),
-               file, options);
+  write_raster(
+      crop(whole, part.first.col, part.first.row, static_cast<int>(part.cols()), static_cast<int>(part.rows())), file,
+      options);
 }
 
 TEST(Update, EqualsAnIngestOfEverything) {
@@ -224,12 +226,14 @@ TEST(Update, EqualsAnIngestOfEverything) {
         EXPECT_TRUE(answer(folder / "a.talus", tolerance) == answer(folder / "b.talus", tolerance)) << tolerance;
     } else {  // another origin: other triangles, the same promise
       for (const double tolerance : {0.0, 2.0, 30.0, 300.0}) {
-        const VerifyReport report =
-            verify(a, [&](GridRect r) { return b.samples(GridRect{{r.first.col - a.description().extent.first.col,
-                                                                   r.first.row - a.description().extent.first.row},
-                                                                  {r.last.col - a.description().extent.first.col,
-                                                                   r.last.row - a.description().extent.first.row}}); },
-                   Metres{tolerance});
+        const VerifyReport report = verify(
+            a,
+            [&](GridRect r) {
+              return b.samples(GridRect{
+                  {r.first.col - a.description().extent.first.col, r.first.row - a.description().extent.first.row},
+                  {r.last.col - a.description().extent.first.col, r.last.row - a.description().extent.first.row}});
+            },
+            Metres{tolerance});
         EXPECT_EQ(report.findings, std::vector<std::string>{});
         EXPECT_LE(report.true_error->value, tolerance);
       }

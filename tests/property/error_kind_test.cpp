@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/grid.hpp"
-#include "engine/stream_codec.hpp"
+#include "engine/quadtree/grid.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/random_raster.hpp"
@@ -52,8 +52,8 @@ TEST(ErrorKinds, NestedErrorsKeepThePromise) {
     const GridRect region = random_region(random, raster.terrain);
     const Metres tolerance{random_tolerance(random)};
     const Answer fewer = exact.range(region, tolerance), more = nested.range(region, tolerance);
-    const OracleReport report =
-        check_mesh(triangulate(more.quadtree), raster.terrain, nested.description().metres_per_unit, tolerance.value, raster.judging);
+    const OracleReport report = check_mesh(triangulate(more.quadtree), raster.terrain,
+                                           nested.description().metres_per_unit, tolerance.value, raster.judging);
     EXPECT_TRUE(report.sound()) << report.summary();
     EXPECT_LE(report.largest_error, more.quadtree.bound.value + 1e-9);
     EXPECT_GE(more.quadtree.vertices.size(), fewer.quadtree.vertices.size());
@@ -92,7 +92,8 @@ TEST(ErrorKinds, PerpendicularErrorsKeepThePromiseAtRightAngles) {
 TEST(ErrorKinds, ASlopeIsNearerAtRightAnglesThanAlongTheVertical) {
   const TempFolder folder;
   // A slope of 1 in cells of 10 m, across which every second sample of every second row stands 6 m out of the plane.
-  const Terrain terrain = surface(65, 65, [](int col, int row) { return 10 * col + (col % 2 == 1 && row % 2 == 1 ? 6 : 0); });
+  const Terrain terrain =
+      surface(65, 65, [](int col, int row) { return 10 * col + (col % 2 == 1 && row % 2 == 1 ? 6 : 0); });
   RasterOptions file;
   file.geotransform = {0, 10, 0, 0, 0, -10};
   file.crs = "EPSG:25832";
@@ -105,7 +106,8 @@ TEST(ErrorKinds, ASlopeIsNearerAtRightAnglesThanAlongTheVertical) {
   };
   const double across = 6 * std::sqrt(0.5);
   EXPECT_EQ(checked("vertical.talus", 5.9).true_error->value, 0);
-  const VerifyReport loose = checked("perpendicular.talus", across + 0.01), strict = checked("perpendicular.talus", across - 0.05);
+  const VerifyReport loose = checked("perpendicular.talus", across + 0.01),
+                     strict = checked("perpendicular.talus", across - 0.05);
   EXPECT_EQ(loose.true_error->value, 6);
   EXPECT_NEAR(loose.perpendicular_error->value, across, 1e-6);
   EXPECT_LT(loose.vertices, 1000u);
@@ -141,7 +143,8 @@ TEST(ErrorKinds, MidpointErrorsSelectWhatTheirDefinitionSelects) {
     SCOPED_TRACE(cols);
     Random random(static_cast<std::uint64_t>(cols));
     double height = 0;
-    const Terrain terrain = surface(cols, rows, [&](int, int) { return height = std::round(0.9 * height + random.between(-60, 60)); });
+    const Terrain terrain =
+        surface(cols, rows, [&](int, int) { return height = std::round(0.9 * height + random.between(-60, 60)); });
     const TempFolder folder;
     write_raster(terrain, folder / "a.tif", {});
     ingest(folder / "a.tif", folder / "a.talus", options_of(kMidpoint));
@@ -168,7 +171,9 @@ TEST(ErrorKinds, MidpointErrorsSelectWhatTheirDefinitionSelects) {
 TEST(ErrorKinds, MidpointErrorsBreakThePromiseAndSayHowFar) {
   // Saw-teeth: every vertex of spacing 2 and more lies in the middle of its ends, those between do not.
   const TempFolder folder;
-  const Terrain terrain = surface(65, 65, [](int col, int) { return col % 8 == 1 || col % 8 == 7 ? 0 : (col / 8 % 2) * 4 + (col % 8 == 4 ? 30 : 0); });
+  const Terrain terrain = surface(65, 65, [](int col, int) {
+    return col % 8 == 1 || col % 8 == 7 ? 0 : (col / 8 % 2) * 4 + (col % 8 == 4 ? 30 : 0);
+  });
   write_raster(terrain, folder / "a.tif", {});
   ingest(folder / "a.tif", folder / "exact.talus");
   ingest(folder / "a.tif", folder / "midpoint.talus", options_of(kMidpoint));
@@ -182,8 +187,11 @@ TEST(ErrorKinds, MidpointErrorsBreakThePromiseAndSayHowFar) {
 
 TEST(ErrorKinds, UpdatesGoOnWithTheKindOfTheDatabase) {
   Random random(9);
-  const Terrain whole = surface(1300, 140, [&](int col, int row) { return std::round(90 * std::sin(col / 31.0) + row) + random.between(0, 9); });
-  const auto part = [&](int from, int to) { return surface(to - from, 140, [&](int col, int row) { return whole.at(from + col, row); }); };
+  const Terrain whole = surface(
+      1300, 140, [&](int col, int row) { return std::round(90 * std::sin(col / 31.0) + row) + random.between(0, 9); });
+  const auto part = [&](int from, int to) {
+    return surface(to - from, 140, [&](int col, int row) { return whole.at(from + col, row); });
+  };
   const auto at = [](int col) {
     RasterOptions options;
     options.crs = "EPSG:25832";
@@ -199,7 +207,8 @@ TEST(ErrorKinds, UpdatesGoOnWithTheKindOfTheDatabase) {
     ingest(folder / "whole.tif", folder / "whole.talus", options_of(kind));
     ingest(folder / "west.tif", folder / "grown.talus", options_of(kind));
     update({folder / "east.tif"}, folder / "grown.talus");
-    const Snapshot a = Database::open(folder / "whole.talus").snapshot(), b = Database::open(folder / "grown.talus").snapshot();
+    const Snapshot a = Database::open(folder / "whole.talus").snapshot(),
+                   b = Database::open(folder / "grown.talus").snapshot();
     EXPECT_EQ(b.description().error_kind, kind.kind);
     EXPECT_EQ(b.description().error_metric, kind.metric);
     EXPECT_EQ(verify(b).findings, std::vector<std::string>());

@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/border.hpp"
-#include "engine/grid.hpp"
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/grid.hpp"
 #include "query/snapshot_view.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
@@ -123,7 +123,8 @@ TEST(Increments, OfRoundedHeightsMergeToo) {
 }
 
 /// Reads the tables of pages that can hold something above a tolerance, by plain recursion.
-std::uint64_t pages_above(const StoredPages& pages, PageId id, std::uint32_t generation, GridRect region, double tolerance) {
+std::uint64_t pages_above(const StoredPages& pages, PageId id, std::uint32_t generation, GridRect region,
+                          double tolerance) {
   PageDecoder decoder;
   QueryCost unused;
   const std::vector<ChildEntry> children = pages.get(id, generation, decoder, unused).children;
@@ -154,7 +155,8 @@ TEST(Increments, ReadOnlyPagesThatHoldSomethingAboveTheFinerTolerance) {
     std::uint64_t expected = 1;  // the header
     const auto tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
     for (std::size_t t = 0; t < tops.size(); ++t) {
-      if (overlap(page_square(tops[t]), region)) expected += pages_above(pages, tops[t], manifest.top_generations[t], region, to);
+      if (overlap(page_square(tops[t]), region))
+        expected += pages_above(pages, tops[t], manifest.top_generations[t], region, to);
     }
     const QueryCost cost = now.increment(region, Metres{2 * to}, Metres{to}).cost;
     EXPECT_EQ(cost.pages_read + cost.pages_cached, expected) << to;
@@ -186,12 +188,15 @@ TEST(Increments, ThatDoNotFitAreRefused) {
   const Snapshot elsewhere = Database::open(folder / "other" / "a.talus").snapshot();
   EXPECT_NE(now.identity(), elsewhere.identity());
   ingest(folder / "a.tif", folder / "again.talus");
-  EXPECT_EQ(now.identity(), Database::open(folder / "again.talus").snapshot().identity()) << "one content, one identity";
+  EXPECT_EQ(now.identity(), Database::open(folder / "again.talus").snapshot().identity())
+      << "one content, one identity";
   const GridRect region{{10, 10}, {150, 120}};
   const RestrictedQuadtree base = now.range(region, Metres{20}).quadtree;
 
-  EXPECT_THAT(refusal(base, elsewhere.increment(region, Metres{20}, Metres{5})), ::testing::HasSubstr("another database"));
-  EXPECT_THAT(refusal(base, now.increment({{10, 10}, {150, 119}}, Metres{20}, Metres{5})), ::testing::HasSubstr("region"));
+  EXPECT_THAT(refusal(base, elsewhere.increment(region, Metres{20}, Metres{5})),
+              ::testing::HasSubstr("another database"));
+  EXPECT_THAT(refusal(base, now.increment({{10, 10}, {150, 119}}, Metres{20}, Metres{5})),
+              ::testing::HasSubstr("region"));
   EXPECT_THAT(refusal(base, now.increment(region, Metres{21}, Metres{5})), ::testing::HasSubstr("at 20 m"));
   Increment updated = now.increment(region, Metres{20}, Metres{5});
   updated.added.origin.identity.generation = 3;
@@ -244,8 +249,9 @@ GridRect moved(Random& random, GridRect window, const Terrain& terrain) {
   const auto clamp = [](int v, int most) { return std::clamp(v, 0, most); };
   const int dx = random.between(-20, 20), dy = random.between(-20, 20);
   const int grow = random.chance(0.3) ? random.between(-9, 9) : 0;
-  GridRect next{{clamp(window.first.col + dx - grow, terrain.cols - 1), clamp(window.first.row + dy - grow, terrain.rows - 1)},
-                {clamp(window.last.col + dx + grow, terrain.cols - 1), clamp(window.last.row + dy + grow, terrain.rows - 1)}};
+  GridRect next{
+      {clamp(window.first.col + dx - grow, terrain.cols - 1), clamp(window.first.row + dy - grow, terrain.rows - 1)},
+      {clamp(window.last.col + dx + grow, terrain.cols - 1), clamp(window.last.row + dy + grow, terrain.rows - 1)}};
   if (next.first.col > next.last.col) std::swap(next.first.col, next.last.col);
   if (next.first.row > next.last.row) std::swap(next.first.row, next.last.row);
   return next;

@@ -1,20 +1,23 @@
 // What an answer may not depend on, and what follows for it as mathematics says, on random rasters of all types, voids
 // included.
 //
-// A vertex is selected iff its error, rounded up to the ladder, exceeds the largest rung within the tolerance, or others or
-// the border need it. Errors are distances between heights, sides on the ground times the void weight, and nothing else. So:
+// A vertex is selected iff its error, rounded up to the ladder, exceeds the largest rung within the tolerance, or
+// others or the border need it. Errors are distances between heights, sides on the ground times the void weight, and
+// nothing else. So:
 //
 // - A constant added to all heights changes no error: the same vertices at every tolerance, heights shifted.
 // - Heights, void weight and tolerance times m: errors are m times as large. Where both tolerances are rungs, the same
-//   vertices. Elsewhere rounding decides, and one way only: from r for t and R for m·t, R < m·r gives more, R > m·r fewer.
-// - The grid transposed, or turned by 180°: the hierarchy over a square of 2^k cells that stands at the origin is mapped to
-//   itself, so the same vertices, transposed or turned. A mirror turns the one hypotenuse of its middle vertex, whose error is
-//   then another; all others are the same.
-// - The grid moved by a multiple of 2^(k+1) cells, the raster within 2^k: spacings and diagonals are the same, so the same
-//   vertices, moved. Moved by a block: the same errors of all vertices whose spacing is a quarter of it or less.
+//   vertices. Elsewhere rounding decides, and one way only: from r for t and R for m·t, R < m·r gives more, R > m·r
+//   fewer.
+// - The grid transposed, or turned by 180°: the hierarchy over a square of 2^k cells that stands at the origin is
+//   mapped to itself, so the same vertices, transposed or turned. A mirror turns the one hypotenuse of its middle
+//   vertex, whose error is then another; all others are the same.
+// - The grid moved by a multiple of 2^(k+1) cells, the raster within 2^k: spacings and diagonals are the same, so the
+//   same vertices, moved. Moved by a block: the same errors of all vertices whose spacing is a quarter of it or less.
 //
-// All of that exactly where arithmetic is: heights in eighths, in metres. Elsewhere a computed error may be too large by the
-// rounding margin, so that a vertex may go to the next rung: what is selected lies between the answers a rung to either side.
+// All of that exactly where arithmetic is: heights in eighths, in metres. Elsewhere a computed error may be too large
+// by the rounding margin, so that a vertex may go to the next rung: what is selected lies between the answers a rung to
+// either side.
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +30,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/error_ladder.hpp"
-#include "engine/grid.hpp"
+#include "engine/error/error_ladder.hpp"
+#include "engine/quadtree/grid.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"
 
@@ -67,7 +70,8 @@ bool is_float(const RandomRaster& raster) { return raster.file.type >= SampleTyp
 /// No error of it, or of it moved or multiplied a little, is rounded but to a rung.
 bool is_exact(const RandomRaster& raster) {
   const auto in_eighths = [](double h) { return std::abs(h) < 1 << 18 && h * 8 == std::round(h * 8); };
-  return raster.file.unit.empty() && std::all_of(raster.terrain.values.begin(), raster.terrain.values.end(), in_eighths);
+  return raster.file.unit.empty() &&
+         std::all_of(raster.terrain.values.begin(), raster.terrain.values.end(), in_eighths);
 }
 
 std::pair<double, double> range_of(const Terrain& terrain) {
@@ -130,9 +134,11 @@ void expect_image(const Ingested& one, const Ingested& other, GridRect region, d
       RestrictedQuadtree as_image;
       as_image.vertices = VertexMask(mapped.vertices.region());
       tighter.vertices.for_each([&](GridPoint p) { as_image.vertices.insert(image(p)); });
-      const std::optional<GridPoint> but =
-          expected.but ? std::optional<GridPoint>(image(*expected.but)) : std::nullopt;
-      EXPECT_EQ(missing(mapped, as_image, [](GridPoint p) { return p; }, but), 0u) << "a rung tighter has fewer";
+      const std::optional<GridPoint> but = expected.but ? std::optional<GridPoint>(image(*expected.but)) : std::nullopt;
+      EXPECT_EQ(missing(
+                    mapped, as_image, [](GridPoint p) { return p; }, but),
+                0u)
+          << "a rung tighter has fewer";
     }
     return;
   }
@@ -239,12 +245,25 @@ TEST(Invariance, HeightsWeightAndToleranceScaleTogether) {
 
 TEST(Invariance, MirrorsAndTurnsOfTheRootMapAnswers) {
   constexpr int kSide = 64;
-  const std::pair<const char*, Image> images[] = {
-      {"transposed", [](GridPoint p) { return GridPoint{p.row, p.col}; }},
-      {"turned by 180 degrees", [](GridPoint p) { return GridPoint{kSide - p.col, kSide - p.row}; }},
-      {"transposed and turned", [](GridPoint p) { return GridPoint{kSide - p.row, kSide - p.col}; }},
-      {"mirrored east to west", [](GridPoint p) { return GridPoint{kSide - p.col, p.row}; }},
-      {"mirrored north to south", [](GridPoint p) { return GridPoint{p.col, kSide - p.row}; }}};
+  const std::pair<const char*, Image> images[] = {{"transposed",
+                                                   [](GridPoint p) {
+                                                     return GridPoint{p.row, p.col};
+                                                   }},
+                                                  {"turned by 180 degrees",
+                                                   [](GridPoint p) {
+                                                     return GridPoint{kSide - p.col, kSide - p.row};
+                                                   }},
+                                                  {"transposed and turned",
+                                                   [](GridPoint p) {
+                                                     return GridPoint{kSide - p.row, kSide - p.col};
+                                                   }},
+                                                  {"mirrored east to west",
+                                                   [](GridPoint p) {
+                                                     return GridPoint{kSide - p.col, p.row};
+                                                   }},
+                                                  {"mirrored north to south", [](GridPoint p) {
+                                                     return GridPoint{p.col, kSide - p.row};
+                                                   }}};
   for_plain_rasters(60, {kSide + 1, kSide + 1, kSide + 1, kSide + 1}, [&](RandomRaster raster, Random& random) {
     const Ingested one(raster);
     const bool exact = is_exact(raster);

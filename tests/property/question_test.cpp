@@ -1,4 +1,5 @@
-// Questions beyond a rectangle and a tolerance, on rasters of every kind: each against the plain answer or by brute force.
+// Questions beyond a rectangle and a tolerance, on rasters of every kind: each against the plain answer or by brute
+// force.
 
 #include <algorithm>
 #include <array>
@@ -9,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/error_ladder.hpp"
-#include "engine/grid.hpp"
+#include "engine/error/error_ladder.hpp"
+#include "engine/quadtree/grid.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/asked.hpp"
 #include "tests/support/local_tolerance.hpp"
@@ -106,7 +107,8 @@ TEST(Ask, CoverGivesTheTrianglesOfTheWholeAnswerThatMeetTheRegion) {
     for (int i = 0; i < 6; ++i) {
       Question q = asked.question();
       q.border = Border::cover;
-      if (asked.random.chance(0.3)) q.max_level = asked.random.between(0, finest_level(asked.now->description().extent));
+      if (asked.random.chance(0.3))
+        q.max_level = asked.random.between(0, finest_level(asked.now->description().extent));
       Question whole = q;
       whole.region = asked.now->description().extent;
       whole.border = Border::constrain;
@@ -193,7 +195,8 @@ TEST(Ask, AFieldHoldsEverySampleWithinItsOwnTolerance) {
                            : std::shared_ptr<const ToleranceField>(std::make_shared<Patchwork>(i));
       const Answer answer = asked.now->ask(q);
       asked.expect_sound(q, answer);
-      expect_local_tolerance(triangulate(answer.quadtree), asked.raster.terrain, d.metres_per_unit, *q.field, asked.name(q));
+      expect_local_tolerance(triangulate(answer.quadtree), asked.raster.terrain, d.metres_per_unit, *q.field,
+                             asked.name(q));
     }
   });
 }
@@ -201,7 +204,8 @@ TEST(Ask, AFieldHoldsEverySampleWithinItsOwnTolerance) {
 TEST(Ask, PatchesSayTheLeastOfARectangle) {
   Random random(5);
   for (int i = 0; i < 200; ++i) {
-    const GridRect region{{random.between(-9, 9), random.between(-9, 9)}, {random.between(10, 40), random.between(10, 30)}};
+    const GridRect region{{random.between(-9, 9), random.between(-9, 9)},
+                          {random.between(10, 40), random.between(10, 30)}};
     const int cols = random.between(1, static_cast<int>(std::min<std::int64_t>(7, region.cols())));
     const int rows = random.between(1, static_cast<int>(std::min<std::int64_t>(7, region.rows())));
     std::vector<double> metres;
@@ -227,8 +231,8 @@ TEST(Ask, ABudgetsToleranceIsTheSmallestOnTheLadderThatFits) {
       };
       const std::uint64_t least = size_at(kAlwaysSelected), most = size_at(0);
       Budget budget;
-      const auto asked_for = static_cast<std::uint64_t>(asked.random.between(
-          static_cast<int>(least) - 1, static_cast<int>(most) + 1));
+      const auto asked_for =
+          static_cast<std::uint64_t>(asked.random.between(static_cast<int>(least) - 1, static_cast<int>(most) + 1));
       if (asked_for == 0) continue;
       (by_triangles ? budget.triangles : budget.vertices) = asked_for;
       if (asked_for < least) {
@@ -272,7 +276,9 @@ std::set<std::pair<std::array<double, 3>, std::array<double, 3>>> outline_of(con
   std::set<std::pair<std::array<double, 3>, std::array<double, 3>>> open;
   for (const auto& t : mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto end = [&](std::uint32_t v) { return std::array{mesh.place(v).col, mesh.place(v).row, mesh.heights[v]}; };
+      const auto end = [&](std::uint32_t v) {
+        return std::array{mesh.place(v).col, mesh.place(v).row, mesh.heights[v]};
+      };
       const auto from = end(t[k]), to = end(t[(k + 1) % 3]);
       if (open.erase({to, from}) == 0) open.insert({from, to});
     }
@@ -302,7 +308,8 @@ TEST(Ask, ClippedAnswersFillTheirFramesAndMeetTheirNeighbours) {
         EXPECT_NEAR(area_of(b), (east - middle) * (south - north), 1e-6 * cols * rows) << asked.raster.description;
       }
       for (std::size_t v = 0; v < a.size(); ++v) {
-        EXPECT_TRUE(a.place(v).col >= west && a.place(v).col <= middle && a.place(v).row >= north && a.place(v).row <= south);
+        EXPECT_TRUE(a.place(v).col >= west && a.place(v).col <= middle && a.place(v).row >= north &&
+                    a.place(v).row <= south);
       }
       // Every edge of the one on the side they share is one of the other, the other way round.
       std::set<std::pair<std::array<double, 3>, std::array<double, 3>>> on_left, on_right;
@@ -311,7 +318,8 @@ TEST(Ask, ClippedAnswersFillTheirFramesAndMeetTheirNeighbours) {
       for (const auto& [from, to] : outline_of(b))
         if (from[0] == middle && to[0] == middle) on_right.insert({to, from});
       // (Along a grid line a void may begin.)
-      EXPECT_TRUE(on_left == on_right || (has_voids && middle == std::round(middle))) << asked.raster.description << ", side at column " << middle;
+      EXPECT_TRUE(on_left == on_right || (has_voids && middle == std::round(middle)))
+          << asked.raster.description << ", side at column " << middle;
       EXPECT_TRUE(has_voids || !on_left.empty());
       // Nothing else is open inside.
       for (const auto& [from, to] : outline_of(a)) {

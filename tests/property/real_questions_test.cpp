@@ -168,8 +168,7 @@ TEST_P(RealQuestions, ClippedAndItsNeighbour) {
       meshes[k] = clip_mesh(triangulate(answer.quadtree), f);
       expect_filled(
           meshes[k], {f.west, f.north, f.east, f.south}, q.region,
-          [&](GridPoint) { return answer.quadtree.bound.value; },
-          name(q.region, tolerance));
+          [&](GridPoint) { return answer.quadtree.bound.value; }, name(q.region, tolerance));
     }
     EXPECT_EQ(open_edges_along(meshes[0], middle), open_edges_along(meshes[1], middle))
         << name(around, tolerance) << " column " << middle;

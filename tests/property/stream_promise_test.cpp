@@ -1,5 +1,5 @@
-// What a reader of a stream gets: the answer bit for bit, its surface within the tolerance, and each of its prefixes within
-// the bound that it states. For random rasters, regions, tolerances, profiles and heights, and for real terrain.
+// What a reader of a stream gets: the answer bit for bit, its surface within the tolerance, and each of its prefixes
+// within the bound that it states. For random rasters, regions, tolerances, profiles and heights, and for real terrain.
 //
 // TALUS_PROPERTY_CASES=20000 tries 2,000 rasters with nine streams each.
 
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/stream_codec.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/quadtrees.hpp"
@@ -40,17 +40,18 @@ void expect_within(const Case& c, const RestrictedQuadtree& q, double bound, boo
   // Outlines are as fine as the tolerance asks, however much better the surface came out.
   options.void_weight *= bound / std::max(bound, c.tolerance);
   if (!(bound < kInfinity)) options.void_weight = 0;
-  const OracleReport report = check_mesh(triangulate(q), c.terrain, c.now.description().metres_per_unit, bound, options);
+  const OracleReport report =
+      check_mesh(triangulate(q), c.terrain, c.now.description().metres_per_unit, bound, options);
   EXPECT_TRUE(report.sound()) << what << " at " << bound << " m: " << report.summary();
 }
 
 Answer asked(const Snapshot& now, GridRect region, Metres tolerance, Heights heights, Metres quantum) {
-  return heights == Heights::exact       ? now.range(region, tolerance)
-         : heights == Heights::quantised ? now.quantised(region, tolerance, quantum)
-         : heights == Heights::dense     ? now.dense(region, tolerance)
-         : heights == Heights::fitted    ? now.fitted(region, tolerance)
+  return heights == Heights::exact           ? now.range(region, tolerance)
+         : heights == Heights::quantised     ? now.quantised(region, tolerance, quantum)
+         : heights == Heights::dense         ? now.dense(region, tolerance)
+         : heights == Heights::fitted        ? now.fitted(region, tolerance)
          : heights == Heights::finely_fitted ? now.fitted(region, tolerance, Metres{tolerance.value / 20})
-                                         : now.bounded(region, tolerance);
+                                             : now.bounded(region, tolerance);
 }
 
 /// One stream and all its prefixes.
@@ -64,7 +65,8 @@ void expect_stream(const Case& c, const RestrictedQuadtree& answer, const Stream
   StreamDecoder decoder;
   std::size_t parts = 0;
   double last = kInfinity;
-  // A byte at a time would do; a part comes with its last byte, so pieces of any size show every part but few in between.
+  // A byte at a time would do; a part comes with its last byte, so pieces of any size show every part but few in
+  // between.
   for (std::size_t at = 0; at < bytes.size(); at += 7) {
     decoder.add(std::span(bytes).subspan(at, std::min<std::size_t>(7, bytes.size() - at)));
     if (decoder.parts() == parts) continue;
@@ -133,13 +135,15 @@ TEST(BoundedHeights, OfNeighboursMeet) {
     Random random(seed);
     const std::int32_t middle = random.between(16, cols - 18);
     const Metres tolerance{random.log_between(0.1, 100)};
-    const GridRect west{{0, 0}, {middle, rows - 1}}, east{{middle, 0}, {cols - 1, rows - 1}}, both{{0, 0}, {cols - 1, rows - 1}};
+    const GridRect west{{0, 0}, {middle, rows - 1}}, east{{middle, 0}, {cols - 1, rows - 1}},
+        both{{0, 0}, {cols - 1, rows - 1}};
     OracleOptions options = raster.judging;
     options.heights_are_source = false;
     for (const Heights heights : {Heights::bounded, Heights::quantised, Heights::fitted, Heights::finely_fitted}) {
-      const auto a = asked(now, west, tolerance, heights, tolerance).quadtree, b = asked(now, east, tolerance, heights, tolerance).quadtree;
-      const OracleReport report =
-          check_mesh(join(triangulate(a), triangulate(b), both), raster.terrain, now.description().metres_per_unit, tolerance.value, options);
+      const auto a = asked(now, west, tolerance, heights, tolerance).quadtree,
+                 b = asked(now, east, tolerance, heights, tolerance).quadtree;
+      const OracleReport report = check_mesh(join(triangulate(a), triangulate(b), both), raster.terrain,
+                                             now.description().metres_per_unit, tolerance.value, options);
       ASSERT_TRUE(report.sound()) << report.summary();
     }
     ++compared;
@@ -188,8 +192,11 @@ TEST(FittedHeights, NeedFewerVertices) {
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   const GridRect all{{0, 0}, {256, 256}};
   for (const double tolerance : {5.0, 20.0, 60.0}) {
-    const auto vertices = [&](Heights heights) { return asked(now, all, Metres{tolerance}, heights, Metres{1}).quadtree.vertices.size(); };
-    const std::size_t exact = vertices(Heights::exact), fitted = vertices(Heights::fitted), finely = vertices(Heights::finely_fitted);
+    const auto vertices = [&](Heights heights) {
+      return asked(now, all, Metres{tolerance}, heights, Metres{1}).quadtree.vertices.size();
+    };
+    const std::size_t exact = vertices(Heights::exact), fitted = vertices(Heights::fitted),
+                      finely = vertices(Heights::finely_fitted);
     EXPECT_LT(fitted, exact) << tolerance;
     EXPECT_LT(finely, exact * 9 / 10) << tolerance;
   }
@@ -208,7 +215,8 @@ TEST(BoundedHeights, OfOneQuantumMergeToTheAnswerAskedInOneGo) {
     Random random(seed);
     const GridRect region = random_region(random, raster.terrain);
     const Metres quantum{random.log_between(0.05, 5)};
-    const Metres chain[] = {Metres{kInfinity}, Metres{quantum.value * 8}, Metres{quantum.value * 3}, Metres{quantum.value / 2}};
+    const Metres chain[] = {Metres{kInfinity}, Metres{quantum.value * 8}, Metres{quantum.value * 3},
+                            Metres{quantum.value / 2}};
     RestrictedQuadtree client = now.quantised(region, chain[0], quantum).quadtree;
     for (std::size_t step = 1; step < 4; ++step) {
       const Increment more = now.quantised_increment(region, chain[step - 1], chain[step], quantum);
@@ -235,7 +243,8 @@ TEST(BoundedHeights, RefuseWhatTheyCannotKeep) {
   EXPECT_THROW(static_cast<void>(now.dense(all, Metres{0})), Failure);
   EXPECT_THROW(static_cast<void>(now.dense(all, Metres{kInfinity})), Failure);
   EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{12})), Failure);
-  EXPECT_NO_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{11}))) << "whole numbers lie at most 5 from a multiple of 11";
+  EXPECT_NO_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{11})))
+      << "whole numbers lie at most 5 from a multiple of 11";
   EXPECT_THROW(static_cast<void>(now.quantised(all, Metres{5}, Metres{0})), Failure);
   EXPECT_THROW(static_cast<void>(now.quantised(all, Metres{1}, Metres{5})), Failure);
   EXPECT_THROW(static_cast<void>(now.quantised_increment(all, Metres{5}, Metres{1}, Metres{5})), Failure);
@@ -269,12 +278,14 @@ TEST_P(StreamsOfRealModels, KeepThePromise) {
       expect_stream(c, exact, options, false);
       expect_stream(c, bounded, options, profile == StreamProfile::balanced && tolerance == 5);
     }
-    std::printf("%s at %g m: %zu vertices, bounded %zu\n", GetParam(), tolerance, exact.vertices.size(), bounded.vertices.size());
+    std::printf("%s at %g m: %zu vertices, bounded %zu\n", GetParam(), tolerance, exact.vertices.size(),
+                bounded.vertices.size());
     EXPECT_LE(static_cast<double>(bounded.vertices.size()), 1.15 * static_cast<double>(exact.vertices.size()));
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, StreamsOfRealModels, ::testing::Values("jacksboro", "bigtujunga_30m_utm11.tif", "tirol5m_avaPfa.tif"),
+INSTANTIATE_TEST_SUITE_P(Of, StreamsOfRealModels,
+                         ::testing::Values("jacksboro", "bigtujunga_30m_utm11.tif", "tirol5m_avaPfa.tif"),
                          [](const auto& about) {
                            std::string name = about.param;
                            for (char& ch : name) ch = std::isalnum(static_cast<unsigned char>(ch)) != 0 ? ch : '_';

@@ -1,4 +1,4 @@
-#include "query/error_distribution.hpp"
+#include "query/accuracy/error_distribution.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -313,7 +313,8 @@ TEST(Export, EverySampleLiesWithinTheBoundOfAGlb) {
     for (double& v : metres.values) v *= d.metres_per_unit;
     support::OracleOptions judging = asked.raster.judging;
     judging.heights_are_source = false;
-    const auto report = support::check_mesh(read, metres, 1, answer.quadtree.bound.value + rounding.value + 1e-9, judging);
+    const auto report =
+        support::check_mesh(read, metres, 1, answer.quadtree.bound.value + rounding.value + 1e-9, judging);
     EXPECT_TRUE(report.sound()) << asked.name(q) << ": " << report.summary();
   });
 }
@@ -345,14 +346,18 @@ TEST(Export, TifHasTheSurfaceAtEverySampleAndNothingBesideIt) {
       const Place a = mesh.place(t[0]), b = mesh.place(t[1]), c = mesh.place(t[2]);
       const auto [north, south] = std::minmax({a.row, b.row, c.row});
       const auto [west, east] = std::minmax({a.col, b.col, c.col});
-      for (int row = std::max(0, static_cast<int>(north) - r.first.row); row < read.rows && row + r.first.row <= south; ++row) {
-        for (int col = std::max(0, static_cast<int>(west) - r.first.col); col < read.cols && col + r.first.col <= east; ++col) {
+      for (int row = std::max(0, static_cast<int>(north) - r.first.row); row < read.rows && row + r.first.row <= south;
+           ++row) {
+        for (int col = std::max(0, static_cast<int>(west) - r.first.col); col < read.cols && col + r.first.col <= east;
+             ++col) {
           const double x = col + r.first.col, y = row + r.first.row;
-          const long double det = (long double)(b.row - c.row) * (a.col - c.col) + (long double)(c.col - b.col) * (a.row - c.row);
+          const long double det =
+              (long double)(b.row - c.row) * (a.col - c.col) + (long double)(c.col - b.col) * (a.row - c.row);
           const long double u = ((b.row - c.row) * (x - c.col) + (c.col - b.col) * (y - c.row)) / det;
           const long double v = ((c.row - a.row) * (x - c.col) + (a.col - c.col) * (y - c.row)) / det;
           if (u < -1e-11L || v < -1e-11L || u + v > 1 + 1e-11L) continue;
-          surface[read.index(col, row)] = static_cast<double>(u * mesh.heights[t[0]] + v * mesh.heights[t[1]] + (1 - u - v) * mesh.heights[t[2]]);
+          surface[read.index(col, row)] =
+              static_cast<double>(u * mesh.heights[t[0]] + v * mesh.heights[t[1]] + (1 - u - v) * mesh.heights[t[2]]);
         }
       }
     }
@@ -364,7 +369,8 @@ TEST(Export, TifHasTheSurfaceAtEverySampleAndNothingBesideIt) {
         ASSERT_EQ(read.is_valid(col, row), !std::isnan(expected)) << asked.name(q) << " at " << p.col << "/" << p.row;
         if (std::isnan(expected)) continue;
         const double height = read.at(col, row);
-        ASSERT_NEAR(height, expected, 1e-12 * (1 + std::abs(expected)) + 1e-9 / unit) << asked.name(q) << " at " << p.col << "/" << p.row;
+        ASSERT_NEAR(height, expected, 1e-12 * (1 + std::abs(expected)) + 1e-9 / unit)
+            << asked.name(q) << " at " << p.col << "/" << p.row;
         if (asked.raster.terrain.is_valid(p.col, p.row)) {
           ASSERT_LE(std::abs(height - asked.raster.terrain.at(p.col, p.row)) * unit, answer.quadtree.bound.value + 2e-9)
               << asked.name(q);

@@ -57,7 +57,8 @@ void expect_same(std::optional<double> found, std::optional<double> expected, do
                  const std::string& what) {
   ASSERT_EQ(found.has_value(), expected.has_value()) << "column " << col << ", row " << row << ": " << what;
   if (found) {
-    ASSERT_NEAR(*found, *expected, 1e-9 * (1 + std::abs(*expected))) << "column " << col << ", row " << row << ": " << what;
+    ASSERT_NEAR(*found, *expected, 1e-9 * (1 + std::abs(*expected)))
+        << "column " << col << ", row " << row << ": " << what;
   }
 }
 
@@ -80,7 +81,8 @@ TEST(Heights, AreBilinearBetweenTheSamplesOfAnyRaster) {
     std::vector<MeshPlace> places;
     for (int i = 0; i < 300; ++i) {
       const double col = random_line(random, truth.cols), row = random_line(random, truth.rows);
-      points.push_back({d.mapping.x0 + (first.col + col) * d.mapping.dx, d.mapping.y0 + (first.row + row) * d.mapping.dy});
+      points.push_back(
+          {d.mapping.x0 + (first.col + col) * d.mapping.dx, d.mapping.y0 + (first.row + row) * d.mapping.dy});
       places.push_back({near_line((points.back().x - d.mapping.x0) / d.mapping.dx) - first.col,
                         near_line((points.back().y - d.mapping.y0) / d.mapping.dy) - first.row});
     }
@@ -120,8 +122,16 @@ TEST(Heights, OfNoNumberOrBeyondTheSamplesAreNothing) {
   const TempFolder folder;
   const Snapshot now = snapshot_of(plane(10, 8), folder);
   EXPECT_EQ(now.height(0.5, -0.5), 100);
-  for (const Position p : {Position{kNaN, -1}, {1, kNaN}, {kNaN, kNaN}, {INFINITY, -1}, {1, -INFINITY}, {1e300, -1},
-                           {0.4, -1}, {9.6, -1}, {1, -0.4}, {1, -7.6}}) {
+  for (const Position p : {Position{kNaN, -1},
+                           {1, kNaN},
+                           {kNaN, kNaN},
+                           {INFINITY, -1},
+                           {1, -INFINITY},
+                           {1e300, -1},
+                           {0.4, -1},
+                           {9.6, -1},
+                           {1, -0.4},
+                           {1, -7.6}}) {
     EXPECT_EQ(now.height(p.x, p.y), std::nullopt) << p.x << " " << p.y;
     EXPECT_EQ(now.height(p.x, p.y, Metres{1}), std::nullopt) << p.x << " " << p.y;
     EXPECT_FALSE(now.is_inside(p));

@@ -1,11 +1,11 @@
-#include "query/page_cache.hpp"
+#include "query/pages/page_cache.hpp"
 
 #include <atomic>
 #include <thread>
 
 #include <gtest/gtest.h>
 
-#include "query/stored_pages.hpp"
+#include "query/pages/stored_pages.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"

@@ -1,6 +1,6 @@
 // What QueryCost says of pages, against every stored page looked at by brute force.
 
-#include "query/page_fates.hpp"
+#include "query/pages/page_fates.hpp"
 
 #include <limits>
 #include <map>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/border.hpp"
-#include "engine/construction.hpp"
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/construction.hpp"
 #include "query/snapshot_view.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"

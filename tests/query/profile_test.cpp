@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "query/ground.hpp"
+#include "query/geo/ground.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"
 #include "tests/support/surface_of_mesh.hpp"
@@ -138,8 +138,7 @@ TEST(Profiles, AreWithinTheToleranceOfSamples) {
 TEST(Profiles, OfAPlaneHaveTheLinesPointsOnly) {
   const TempFolder folder;
   const Snapshot now = snapshot_of(plane(200, 150), folder);
-  const Profile profile =
-      now.profile(Line{{10.25, -20.5}, {150, -20.5}, {150, -20.5}, {151, -140}}, Metres{0.5});
+  const Profile profile = now.profile(Line{{10.25, -20.5}, {150, -20.5}, {150, -20.5}, {151, -140}}, Metres{0.5});
   ASSERT_EQ(profile.parts.size(), 1u);
   ASSERT_EQ(profile.parts[0].size(), 3u);
   const auto& [a, b, c] = std::tie(profile.parts[0][0], profile.parts[0][1], profile.parts[0][2]);
@@ -240,7 +239,8 @@ double chords(Position from, Position to) {
   const auto place = [&](double t) {
     const double lon = (from.x + (to.x - from.x) * t) * degree, lat = (from.y + (to.y - from.y) * t) * degree;
     const double n = a / std::sqrt(1 - e2 * std::sin(lat) * std::sin(lat));
-    return std::array{n * std::cos(lat) * std::cos(lon), n * std::cos(lat) * std::sin(lon), n * (1 - e2) * std::sin(lat)};
+    return std::array{n * std::cos(lat) * std::cos(lon), n * std::cos(lat) * std::sin(lon),
+                      n * (1 - e2) * std::sin(lat)};
   };
   double sum = 0;
   constexpr int kSteps = 200000;
@@ -263,8 +263,11 @@ TEST(Ground, OfDegreesIsTheEllipsoids) {
   file.crs = "EPSG:4326";
   file.geotransform = {7, 0.01, 0, 47, 0, -0.01};
   const Ground ground(snapshot_of(plane(3, 3), folder, file).description().crs_wkt);
-  for (const auto& [from, to] : {std::pair{Position{7, 46}, Position{8, 46}}, {{7, 46}, {7, 47}}, {{-20, -40}, {70, 85}},
-                                 {{7.5, 45.9}, {7.6, 45.91}}, {{0, 0}, {0, 90}}}) {
+  for (const auto& [from, to] : {std::pair{Position{7, 46}, Position{8, 46}},
+                                 {{7, 46}, {7, 47}},
+                                 {{-20, -40}, {70, 85}},
+                                 {{7.5, 45.9}, {7.6, 45.91}},
+                                 {{0, 0}, {0, 90}}}) {
     const double expected = chords(from, to);
     EXPECT_NEAR(ground.metres(from, to), expected, 1e-8 * expected);
   }

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
-#include "engine/stream_codec.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/quadtrees.hpp"
@@ -46,7 +46,8 @@ TEST(Streams, AreReadBackBitForBit) {
     const Metres to{random.log_between(0.01, 50)}, from{to.value * (1 + random.unit())};
     const RestrictedQuadtree answer = now.range(region, from).quadtree;
     const Increment increment = now.increment(region, from, to);
-    const Bytes first = encode({now.description(), answer}), second = encode({now.description(), increment}, {}, &answer);
+    const Bytes first = encode({now.description(), answer}),
+                second = encode({now.description(), increment}, {}, &answer);
     const Stream a = decode_stream(first), b = decode_stream(second, {}, &answer);
     const auto& answer_back = std::get<RestrictedQuadtree>(a.content);
     const auto& increment_back = std::get<Increment>(b.content);
@@ -76,8 +77,9 @@ TEST(Streams, AreReadBackBitForBit) {
     EXPECT_EQ(difference(std::get<RestrictedQuadtree>(slowly.stream().content), answer), "");
     EXPECT_TRUE(encode(a) == first && encode(b, {}, &answer) == second) << "one stream, one sequence of bytes";
     const Description &d = a.description, &said = now.description();
-    EXPECT_TRUE(d.extent == said.extent && d.mapping == said.mapping && d.crs_wkt == said.crs_wkt && d.step == said.step &&
-                d.vertical_unit == said.vertical_unit && d.metres_per_unit == said.metres_per_unit);
+    EXPECT_TRUE(d.extent == said.extent && d.mapping == said.mapping && d.crs_wkt == said.crs_wkt &&
+                d.step == said.step && d.vertical_unit == said.vertical_unit &&
+                d.metres_per_unit == said.metres_per_unit);
 
     Question question;
     question.region = region;
@@ -159,7 +161,8 @@ std::vector<Example> examples() {
     options.profile = profile;
     options.bands = profile == StreamProfile::fast ? 2 : 1;
     made_of.push_back({encode({now.description(), finer}, options), std::nullopt, options});
-    made_of.push_back({encode({now.description(), now.increment(region, Metres{10}, Metres{3})}, options, &base), base, options});
+    made_of.push_back(
+        {encode({now.description(), now.increment(region, Metres{10}, Metres{3})}, options, &base), base, options});
     made_of.push_back({encode({now.description(), now.ask(cover).quadtree}, options), std::nullopt, options});
   }
   return made_of;
@@ -169,7 +172,8 @@ TEST(Streams, CutAnywhereAreCorrupt) {
   for (const Example& example : examples()) {
     const Bytes& bytes = example.bytes;
     for (std::size_t size = 0; size < bytes.size(); ++size)
-      expect_corrupt(example, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}, "cut to " + std::to_string(size));
+      expect_corrupt(example, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)},
+                     "cut to " + std::to_string(size));
     Bytes longer = bytes;
     longer.push_back(std::byte{0});
     expect_corrupt(example, longer, "a byte more");
@@ -232,8 +236,9 @@ TEST(Streams, WrittenByAnEnemyAreRefusedOrSound) {
       const Stream stream = decode_stream(bytes, limits, example.below());
       const Stream again = decode_stream(encode(stream, example.options, example.below()), {}, example.below());
       const auto* answer = std::get_if<RestrictedQuadtree>(&stream.content);
-      EXPECT_EQ(answer != nullptr ? difference(*answer, std::get<RestrictedQuadtree>(again.content))
-                                  : difference(std::get<Increment>(stream.content).added, std::get<Increment>(again.content).added),
+      EXPECT_EQ(answer != nullptr
+                    ? difference(*answer, std::get<RestrictedQuadtree>(again.content))
+                    : difference(std::get<Increment>(stream.content).added, std::get<Increment>(again.content).added),
                 "")
           << "what is read can be written";
       if (answer != nullptr && answer->origin.border == Border::constrain) static_cast<void>(triangulate(*answer));
@@ -298,7 +303,8 @@ TEST(Streams, AFileOfAFewBytesMayNotPromiseAnyNumberOfVertices) {
   std::memcpy(&bytes[at], &promised, 8);
   reseal(bytes);
   const TempFolder folder;
-  std::ofstream(folder / "forged.rqt", std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(folder / "forged.rqt", std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   try {
     static_cast<void>(read_stream(folder / "forged.rqt"));
     ADD_FAILURE();

@@ -47,7 +47,8 @@ TEST(Threads, ChangeNothingInALargeAnswer) {
           EXPECT_EQ(a.bound, e.bound);
           EXPECT_EQ(answer.border_vertices, expected.border_vertices);
           if (name == std::string("a.talus")) {
-            EXPECT_EQ(answer.cost.pages_read + answer.cost.pages_cached, expected.cost.pages_read + expected.cost.pages_cached);
+            EXPECT_EQ(answer.cost.pages_read + answer.cost.pages_cached,
+                      expected.cost.pages_read + expected.cost.pages_cached);
           }
           EXPECT_TRUE(triangulate(a, threads).triangles == mesh.triangles);
         }

@@ -1,4 +1,4 @@
-#include "query/true_error.hpp"
+#include "query/accuracy/true_error.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -131,7 +131,9 @@ TEST_F(Outsiders, AnUpdateThatIsResampledSaysThatItsJointsAreItsOwn) {
 }
 
 TEST_F(Outsiders, AListInUtf16IsCalledThat) {
-  write_bytes(folder / "list.txt", std::string("\xff\xfe" "a\0.\0t\0i\0f\0\n\0", 14));
+  write_bytes(folder / "list.txt", std::string("\xff\xfe"
+                                               "a\0.\0t\0i\0f\0\n\0",
+                                               14));
   expect_refusal(ingest({"@list.txt", "d.talus"}), {usage}, {"list.txt", "UTF-16"});
 }
 

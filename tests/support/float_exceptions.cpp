@@ -25,7 +25,7 @@ void note(int, siginfo_t* info, void* context) {
   void* nothing = nullptr;
   first_at.compare_exchange_strong(nothing, info->si_addr);
   auto* const registers = static_cast<ucontext_t*>(context)->uc_mcontext.fpregs;
-  registers->mxcsr |= 0x1f80u;                                                // SSE and AVX
+  registers->mxcsr |= 0x1f80u;                                          // SSE and AVX
   registers->cwd = static_cast<std::uint16_t>(registers->cwd | 0x3fu);  // long double
 }
 

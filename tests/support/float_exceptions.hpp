@@ -11,8 +11,8 @@ namespace talus::support {
 
 /// Watches the calling thread, and every thread that is started meanwhile, as long as this lives; one at a time.
 ///
-/// On x86-64 with glibc the processor stops at the first such instruction of each thread, which is noted and goes on as if
-/// nobody had looked. Elsewhere only the calling thread's flags are read.
+/// On x86-64 with glibc the processor stops at the first such instruction of each thread, which is noted and goes on as
+/// if nobody had looked. Elsewhere only the calling thread's flags are read.
 ///
 /// kinds  FE_INVALID, FE_DIVBYZERO, FE_OVERFLOW
 class FloatExceptions {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/manifest.hpp"
-#include "engine/page_codec.hpp"
-#include "engine/tile_summary.hpp"
+#include "engine/page/manifest.hpp"
+#include "engine/page/page_codec.hpp"
+#include "engine/tile/tile_summary.hpp"
 #include "storage/page_store.hpp"
 
 namespace talus::support {

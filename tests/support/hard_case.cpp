@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/stream_codec.hpp"
+#include "engine/stream/stream_codec.hpp"
 #include "tests/support/float_exceptions.hpp"
 #include "tests/support/quadtrees.hpp"
 
@@ -20,7 +20,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
-/// Of streams: a compiler may take a residual's size to a whole number before it is cut off at 255, and throw that away.
+/// Of streams: a compiler may take a residual's size to a whole number before it is cut off at 255, and throw that
+/// away.
 constexpr int kWatchedOfStreams = FE_DIVBYZERO | FE_OVERFLOW;
 constexpr std::int64_t kMostJudgedOften = 60000;  ///< samples; larger regions are asked at fewer tolerances
 
@@ -275,9 +276,9 @@ Mesh HardDatabase::streamed(const RestrictedQuadtree& answer) const {
   RestrictedQuadtree read;
   for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
     const Stream stream{now().description(), answer};
-    const auto back = without_float_exceptions([&] {
-      return decode_stream(encode(stream, {.profile = profile, .bands = 2}), {}, nullptr, 2).content;
-    }, kWatchedOfStreams);
+    const auto back = without_float_exceptions(
+        [&] { return decode_stream(encode(stream, {.profile = profile, .bands = 2}), {}, nullptr, 2).content; },
+        kWatchedOfStreams);
     read = std::get<RestrictedQuadtree>(back);
     EXPECT_EQ(difference(read, answer), "");
   }
@@ -302,9 +303,9 @@ void HardDatabase::check_streams(double tolerance) const {
     const Increment more = now().increment(extent(), Metres{from}, Metres{to});
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       const auto back = [&](const Stream& stream, const RestrictedQuadtree* base) {
-        return without_float_exceptions([&] {
-          return decode_stream(encode(stream, {.profile = profile, .bands = 2}, base), {}, base, 2).content;
-        }, kWatchedOfStreams);
+        return without_float_exceptions(
+            [&] { return decode_stream(encode(stream, {.profile = profile, .bands = 2}, base), {}, base, 2).content; },
+            kWatchedOfStreams);
       };
       EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back({now().description(), answer}, nullptr)), answer), "");
       const Increment read = std::get<Increment>(back({now().description(), more}, &client));

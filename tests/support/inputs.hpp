@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ingest/source.hpp"
+#include "ingest/mosaic/source.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/surfaces.hpp"
 

@@ -17,7 +17,7 @@ struct Outcome {
 struct RunOptions {
   std::optional<std::chrono::milliseconds> kill_after;  ///< SIGKILL, as a power cut would
   std::chrono::seconds at_most{120};                    ///< SIGKILL too, so that a test never hangs
-  std::string input;                         ///< a file to be the standard input; empty: an empty one
+  std::string input;                                    ///< a file to be the standard input; empty: an empty one
   std::string folder;                                   ///< to run in; empty: this process's
 };
 

@@ -54,8 +54,8 @@ class SurfaceOfMesh {
     return std::nullopt;
   }
 
-  /// So near to the outline that rounding decides whether it is on the surface. On a row or column of samples it is only
-  /// along that line that it can.
+  /// So near to the outline that rounding decides whether it is on the surface. On a row or column of samples it is
+  /// only along that line that it can.
   [[nodiscard]] bool is_doubtful(MeshPlace p, double near = 1e-7) const {
     const bool here = height(p).has_value();
     for (const double down : {-near, 0.0, near}) {

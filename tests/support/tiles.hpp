@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ingest/source.hpp"
+#include "ingest/mosaic/source.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"
@@ -29,7 +29,8 @@ class TilesTest : public ::testing::Test {
     write_raster(terrain, folder_ / name, options);
     return folder_ / name;
   }
-  std::filesystem::path constant(const std::string& name, int cols, int rows, double height, const RasterOptions& options) {
+  std::filesystem::path constant(const std::string& name, int cols, int rows, double height,
+                                 const RasterOptions& options) {
     return write(name, surface(cols, rows, [&](int, int) { return height; }), options);
   }
   std::filesystem::path write_text(const std::string& name, const std::string& text) {

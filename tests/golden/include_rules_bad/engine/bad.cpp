@@ -7,7 +7,7 @@
 #include <gdal_priv.h>              // refused
 #include <GeographicLib/Geodesic.hpp>  // refused
 
-#include "engine/grid.hpp"
+#include "engine/quadtree/grid.hpp"
 #include "grid.hpp"                 // refused
 #include "../storage/page_key.hpp"  // refused
 #include "storage/page_key.hpp"     // refused

@@ -1,0 +1,240 @@
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/commands/commands.hpp"
+#include "app/files/named_files.hpp"
+#include "app/options/arguments.hpp"
+#include "app/options/stream_options.hpp"
+#include "app/terminal/report.hpp"
+#include "talus/database.hpp"
+
+namespace talus::app {
+namespace {
+
+struct Request {
+  std::string database;
+  bool json = false;
+};
+
+// The name of a coordinate system is the first quoted text of its WKT.
+std::string crs_name(const std::string& wkt) {
+  if (wkt.empty()) return "none, cells count as metres";
+  const std::size_t open = wkt.find('"');
+  const std::size_t close = open == std::string::npos ? open : wkt.find('"', open + 1);
+  return close == std::string::npos ? "unnamed" : wkt.substr(open + 1, close - open - 1);
+}
+
+std::string step_text(const HeightStep& step, const std::string& unit) {
+  if (!step.integer) return "none, floats as they came";
+  const std::string size = fmt::format("{} {}", step.scale / step.divisor, unit);
+  return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
+}
+
+std::string errors_text(const Description& d) {
+  const std::string text = fmt::format("{}, {}", name_of(d.error_kind), name_of(d.error_metric));
+  return d.error_kind == ErrorKind::midpoint ? text + ": no answer keeps a bound" : text;
+}
+
+/// Vertices above tolerances. Earlier versions kept the list of each generation, the latest at the end.
+std::vector<std::pair<double, std::uint64_t>> latest_counts(const Provenance& p) {
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < p.vertices_above.size(); ++i) {
+    if (p.vertices_above[i].first <= p.vertices_above[i - 1].first) first = i;
+  }
+  return {p.vertices_above.begin() + static_cast<std::ptrdiff_t>(first), p.vertices_above.end()};
+}
+
+Json to_json(const Request& request, const Description& d, const StorageSummary& s, const Provenance& p) {
+  Json sources = Json::array();
+  for (const SourceFile& f : p.sources) {
+    sources.push_back({{"name", f.name},
+                       {"driver", f.driver},
+                       {"type", f.type},
+                       {"cols", f.cols},
+                       {"rows", f.rows},
+                       {"bytes", f.bytes},
+                       {"xxh3", fmt::format("{:016x}", f.checksum)}});
+  }
+  Json above = Json::array();
+  for (const auto& [tolerance, vertices] : latest_counts(p))
+    above.push_back({{"tolerance", tolerance}, {"vertices", vertices}});
+  Json bands = Json::array();
+  for (const BandSummary& band : s.bands) {
+    bands.push_back({{"spacing", band.spacing}, {"pages", band.pages}, {"bytes", band.bytes}});
+  }
+  return Json{
+      {"database", request.database},
+      {"format_version", s.format_version},
+      {"source", d.source_name},
+      {"type", d.source_type},
+      {"cols", d.extent.cols()},
+      {"rows", d.extent.rows()},
+      {"region", bounds(d, d.extent)},
+      {"cell", {d.mapping.dx, -d.mapping.dy}},
+      {"crs", d.crs_wkt},
+      {"vertical_unit", d.vertical_unit},
+      {"metres_per_unit", d.metres_per_unit},
+      {"height_step",
+       {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
+      {"minimum", d.minimum},
+      {"maximum", d.maximum},
+      {"void_samples", d.void_samples},
+      {"void_weight", d.void_weight},
+      {"error_kind", name_of(d.error_kind)},
+      {"error_metric", name_of(d.error_metric)},
+      {"file_bytes", s.file_bytes},
+      {"pages", s.pages},
+      {"page_bytes", s.page_bytes},
+      {"bands", bands},
+      {"lossy_metres", d.lossy_metres},
+      {"finest_tolerance", d.finest_tolerance},
+      {"made_by", p.made_by},
+      {"generation", p.generation},
+      {"sources", sources},
+      {"vertices_above", above}};
+}
+
+/// What is worth a line: rungs that select not all and not nothing.
+std::string above_text(const Provenance& p) {
+  std::string text;
+  for (const auto& [tolerance, vertices] : latest_counts(p)) {
+    if (vertices < 16 || tolerance < 0.1) continue;
+    text += fmt::format("{}{} m: {}", text.empty() ? "" : ", ", tolerance, counted(vertices));
+  }
+  return text;
+}
+
+Table to_table(const Request& request, const Description& d, const StorageSummary& s, const Provenance& p) {
+  const auto samples = static_cast<std::uint64_t>(d.extent.samples());
+  Table table;
+  table.add("database", fmt::format("{}, format {}", request.database, s.format_version));
+  table.add("file size", file_size(s.file_bytes, d.extent));
+  table.add("source", fmt::format("{}, {}", d.source_name, d.source_type));
+  table.add("samples", fmt::format("{} x {}, {} of {} void", d.extent.cols(), d.extent.rows(), counted(d.void_samples),
+                                   counted(samples)));
+  table.add("region", fmt::format("x {} to {}, y {} to {} (pixel centres)", d.mapping.x(d.extent.first.col),
+                                  d.mapping.x(d.extent.last.col), d.mapping.y(d.extent.last.row),
+                                  d.mapping.y(d.extent.first.row)));
+  table.add("cell", fmt::format("{} x {}", d.mapping.dx, -d.mapping.dy));
+  table.add("crs", crs_name(d.crs_wkt));
+  table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
+  table.add("height step", step_text(d.step, d.vertical_unit));
+  table.add("errors", errors_text(d));
+  table.add("void weight", fmt::format("{}", d.void_weight));
+  if (d.lossy_metres > 0)
+    table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
+  if (d.finest_tolerance > 0)
+    table.add("kept",
+              fmt::format("vertices of answers at {} m and more; samples are not restored", d.finest_tolerance));
+  if (const std::string above = above_text(p); !above.empty()) table.add("vertices above", above);
+  table.add("made by", p.generation == 0 ? p.made_by : fmt::format("{}, updated {} times", p.made_by, p.generation));
+  constexpr std::size_t kListed = 8;
+  for (std::size_t i = 0; i < std::min(kListed, p.sources.size()); ++i) {
+    const SourceFile& f = p.sources[i];
+    table.add(i == 0 ? "from" : "", fmt::format("{}: {}, {} x {} of {}, {}, XXH3 {:016x}", f.name, f.driver, f.cols,
+                                                f.rows, f.type, sized(f.bytes), f.checksum));
+  }
+  if (p.sources.size() > kListed)
+    table.add("", fmt::format("and {} more; --json lists them", p.sources.size() - kListed));
+  table.add("pages", fmt::format("{}, {} of the file", counted(s.pages), sized(s.page_bytes)));
+  for (const BandSummary& band : s.bands) {
+    table.add("", fmt::format("spacing {:>6}: {:>9} pages, {}", band.spacing, counted(band.pages), sized(band.bytes)));
+  }
+  return table;
+}
+
+std::string border_text(Border border) {
+  return border == Border::constrain ? "constrain" : border == Border::cover ? "cover" : "clip";
+}
+
+/// What a stream says of itself; the vertices stay where they are.
+Exit run_stream(const Request& request) {
+  require_stream(request.database);
+  const StreamInfo s = read_stream_info(request.database);
+  const Description& d = s.description;
+  if (request.json) {
+    Json parts = Json::array();
+    for (const StreamPart& part : s.parts)
+      parts.push_back({{"vertices", part.vertices}, {"bytes", part.bytes}, {"bound", part.bound.value}});
+    Json object{{"stream", request.database},
+                {"increment", s.is_increment},
+                {"region", bounds(d, s.region)},
+                {"border", border_text(s.origin.border)},
+                {"tolerance", s.tolerance.value},
+                {"bound", s.bound.value},
+                {"error_kind", name_of(d.error_kind)},
+                {"error_metric", name_of(d.error_metric)},
+                {"quantum", s.origin.quantum.value},
+                {"profile", spelled(s.profile)},
+                {"vertices", s.vertices},
+                {"bytes", s.bytes},
+                {"header_bytes", s.header_bytes},
+                {"identity", fmt::format("{:016x}", s.origin.identity.content)},
+                {"generation", s.origin.identity.generation},
+                {"crs", d.crs_wkt},
+                {"vertical_unit", d.vertical_unit},
+                {"parts", parts}};
+    if (s.is_increment) object["from"] = s.from.value;
+    print(object);
+    return Exit::done;
+  }
+  Table table;
+  table.add("stream", fmt::format("{}, {}", request.database, s.is_increment ? "an increment: merge it" : "an answer"));
+  table.add("region", bounds_text(d, s.region));
+  table.add("crs", crs_name(d.crs_wkt));
+  table.add("border", border_text(s.origin.border));
+  if (s.is_increment) table.add("from", metres(s.from.value));
+  table.add("tolerance", metres(s.tolerance.value));
+  table.add("bound", bound_text(d, s.bound));
+  table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
+  table.add("profile", spelled(s.profile));
+  table.add("vertices", counted(s.vertices));
+  table.add("size", fmt::format("{}, {:.2f} bits a vertex, {} of them the header", sized(s.bytes),
+                                8.0 * static_cast<double>(s.bytes) /
+                                    static_cast<double>(std::max<std::uint64_t>(1, s.vertices)),
+                                sized(s.header_bytes)));
+  table.add("database", fmt::format("{:016x}, {} updates", s.origin.identity.content, s.origin.identity.generation));
+  for (std::size_t i = 0; i < s.parts.size(); ++i) {
+    table.add(i == 0 ? "parts" : "",
+              fmt::format("{:>2}: {:>11} vertices, {:>9}, bound {}", i, counted(s.parts[i].vertices),
+                          sized(s.parts[i].bytes), metres(s.parts[i].bound.value)));
+  }
+  print(table);
+  return Exit::done;
+}
+
+Exit run(const Request& request) {
+  if (holds_stream(request.database)) return run_stream(request);
+  const Snapshot now = open_database(request.database).snapshot();
+  if (request.json) {
+    print(to_json(request, now.description(), now.storage(), now.provenance()));
+  } else {
+    print(to_table(request, now.description(), now.storage(), now.provenance()));
+  }
+  return Exit::done;
+}
+
+}  // namespace
+
+void add_info(CLI::App& program, Action& action) {
+  auto request = std::make_shared<Request>();
+  CLI::App* command = program.add_subcommand("info", "Say what a database or an .rqt file holds");
+  command->add_option("DATABASE", request->database, "Database, or an answer or increment in an .rqt file")
+      ->required()
+      ->check(is_named);
+  command->add_flag("--json", request->json, "Print one JSON object");
+  command->footer(
+      "\n"
+      "Coordinates are those of the database's CRS and name samples, which are pixel centres; heights are\n"
+      "in the source's vertical unit. Pages are listed by the spacing, in cells, of their finest vertices.\n"
+      "\nExample:\n  talus info alps.talus\n  talus info west.rqt");
+  command->callback([request, &action] { action = [request] { return run(*request); }; });
+}
+
+}  // namespace talus::app

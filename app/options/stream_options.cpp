@@ -1,0 +1,76 @@
+#include "app/options/stream_options.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/options/arguments.hpp"
+#include "talus/failure.hpp"
+
+namespace talus::app {
+
+void add_stream_words(CLI::App* command, StreamWords& words) {
+  command
+      ->add_option("--profile", words.profile,
+                   "Of .rqt files, which hold the same in each: fast is read fastest, balanced is a fifth\n"
+                   "smaller, small is smallest and slow")
+      ->option_text("fast|balanced|small [balanced]");
+  command
+      ->add_option("--bands", words.bands,
+                   "Of .rqt files: pieces of each level that several threads can read at once; 0: one for\n"
+                   "each 65,536 vertices")
+      ->transform(whole())
+      ->check(CLI::Range(0, 4096))
+      ->option_text("N [0]");
+}
+
+StreamOptions stream_options(const StreamWords& words, int threads) {
+  StreamOptions options;
+  options.bands = words.bands;
+  options.threads = threads;
+  if (words.profile == "fast") {
+    options.profile = StreamProfile::fast;
+  } else if (words.profile == "small") {
+    options.profile = StreamProfile::small;
+  } else if (words.profile != "balanced") {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--profile takes fast, balanced or small; \"{}\" is none of them", words.profile));
+  }
+  return options;
+}
+
+void add_height_words(CLI::App* command, HeightWords& words) {
+  command
+      ->add_option("--heights", words.heights,
+                   "exact: the source's own; bounded: multiples of a quantum, within the tolerance all the same,\n"
+                   "which make .rqt files smaller; fitted: moved within the tolerance to where fewest vertices are\n"
+                   "needed; dense: nearly every sample, rounded as far as the tolerance allows, smaller still where a\n"
+                   "mesh would need most of them")
+      ->option_text("exact|bounded|fitted|dense [exact]");
+  command
+      ->add_option("--quantum", words.quantum,
+                   "Of bounded heights, so that increments of the same quantum can go on from the answer; without\n"
+                   "it one is chosen, with fewer vertices, and nothing goes on from the answer. Of fitted heights: a\n"
+                   "smaller one mostly needs fewer vertices, and more bytes; without it half the tolerance")
+      ->option_text("M");
+}
+
+Metres HeightWords::step() const {
+  if (heights != "exact" && heights != "bounded" && heights != "fitted" && heights != "dense") {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--heights takes exact, bounded, fitted or dense; \"{}\" is none of them", heights));
+  }
+  if (quantum.empty()) return Metres{0};
+  if (heights != "bounded" && !are_fitted())
+    throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded and fitted");
+  const Metres step = parse_tolerance(quantum, "--quantum");
+  if (!(step.value > 0) || !std::isfinite(step.value))
+    throw Failure(Cause::invalid_argument, fmt::format("--quantum takes metres above 0; \"{}\" is not that", quantum));
+  return step;
+}
+
+std::string spelled(StreamProfile profile) {
+  return profile == StreamProfile::fast ? "fast" : profile == StreamProfile::small ? "small" : "balanced";
+}
+
+}  // namespace talus::app

@@ -1,0 +1,50 @@
+#pragma once
+// What an answer read, left out and why, and where its time went.
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/terminal/report.hpp"
+#include "talus/cost.hpp"
+
+namespace talus::app {
+
+/// Times of what is done one after the other.
+class Stages {
+ public:
+  /// What `work` returns.
+  template <class Work>
+  decltype(auto) time(const char* name, Work&& work) {
+    const Stage stage(*this, name);
+    return work();
+  }
+  void add(const char* name, double seconds) { done_.emplace_back(name, seconds); }
+  /// Those of a question.
+  void add(const QueryCost& cost);
+  /// Of the search for a budget's tolerance.
+  void add_search(const QueryCost& cost);
+
+  [[nodiscard]] const std::vector<std::pair<std::string, double>>& done() const { return done_; }
+  [[nodiscard]] const QueryCost& search() const { return search_; }
+
+ private:
+  struct Stage {
+    Stage(Stages& of, const char* name) : stages(of), what(name) {}
+    ~Stage() { stages.add(what, std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count()); }
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
+    Stages& stages;
+    const char* what;
+    std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  };
+  std::vector<std::pair<std::string, double>> done_;
+  QueryCost search_;
+};
+
+[[nodiscard]] Json explained(const QueryCost& cost, const Stages& stages);
+/// Two tables, coarse pages first.
+[[nodiscard]] std::string explained_text(const QueryCost& cost, const Stages& stages);
+
+}  // namespace talus::app

@@ -1,0 +1,40 @@
+#include "app/terminal/fields.hpp"
+
+#include <array>
+#include <utility>
+
+namespace talus::app {
+namespace {
+
+// A field whose name begins with another one's stands before it.
+constexpr std::array<std::pair<const char*, const char*>, 11> kOptions{{
+    {"IngestOptions::overwrite", "--overwrite"},
+    {"IngestOptions::resume", "--resume"},
+    {"InputOptions::allow_drivers", "--allow-driver"},
+    {"InputOptions::allow_outside", "--allow-outside"},
+    {"InputOptions::recursive", "--recursive"},
+    {"InputOptions::skip_broken", "--skip-broken"},
+    {"InputOptions::band", "--band"},
+    {"InputOptions::variable", "--variable"},
+    {"InputOptions::nodata", "--nodata"},
+    {"InputOptions::decode", "--decode"},
+    {"InputOptions::srs", "--srs"},
+}};
+
+}  // namespace
+
+std::string with_options(std::string sentence) {
+  for (const auto& [field, option] : kOptions) {
+    const std::string name = field;
+    for (std::size_t at = 0; (at = sentence.find(name, at)) != std::string::npos;)
+      sentence.replace(at, name.size(), option);
+  }
+  return sentence;
+}
+
+std::vector<std::string> with_options(std::vector<std::string> sentences) {
+  for (std::string& sentence : sentences) sentence = with_options(std::move(sentence));
+  return sentences;
+}
+
+}  // namespace talus::app

@@ -1,6 +1,0 @@
-#if defined(__x86_64__)
-#define TALUS_VECTOR 32
-#define TALUS_KERNEL_NAME avx2_block_kernel
-#define TALUS_KERNEL_WORD "avx2"
-#include "engine/block_kernel.inc"
-#endif

@@ -1,4 +1,0 @@
-#define TALUS_VECTOR 16
-#define TALUS_KERNEL_NAME portable_block_kernel
-#define TALUS_KERNEL_WORD "portable"
-#include "engine/block_kernel.inc"

@@ -1,0 +1,49 @@
+#include "engine/error/height_field.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace talus {
+
+CodeSpan view(const Codes& codes) {
+  return std::visit([](const auto& c) { return CodeSpan(std::span(c)); }, codes);
+}
+
+CodeDistance::CodeDistance(const HeightStep& step, double metres_per_unit) {
+  const double scale = std::abs(step.scale), per_unit = std::round(1 / scale);
+  const bool is_fraction = scale < 1 && std::abs(scale * per_unit - 1) < 3e-16;  // the double nearest to 1/n
+  factor_ = (is_fraction ? 1 : scale) * metres_per_unit;
+  divisor_ = step.divisor * (is_fraction ? per_unit : 1);
+}
+
+bool CodeDistance::is_binary() const {
+  int unused = 0;
+  return std::frexp(factor_, &unused) == 0.5 && std::frexp(divisor_, &unused) == 0.5;
+}
+
+void BitRange::take(double h) {
+  if (h == 0) return;
+  const auto bits = std::bit_cast<std::uint64_t>(h);
+  const int exponent = static_cast<int>(bits >> 52 & 0x7ff);
+  if (exponent == 0 || exponent == 0x7ff) {  // denormal: let the margin cover it
+    *this = {-kNone, kNone};
+    return;
+  }
+  const std::uint64_t mantissa = (bits & ((std::uint64_t{1} << 52) - 1)) | std::uint64_t{1} << 52;
+  finest = std::min(finest, static_cast<std::int16_t>(exponent - 1075 + std::countr_zero(mantissa)));
+  coarsest = std::max(coarsest, static_cast<std::int16_t>(exponent - 1023));
+}
+
+void BitRange::take(const BitRange& other) {
+  finest = std::min(finest, other.finest);
+  coarsest = std::max(coarsest, other.coarsest);
+}
+
+bool BitRange::interpolates_exactly(std::int32_t side) const {
+  // Differences and sums of up to three terms need two bits above, division by the side log2(side) below.
+  const int below = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(side))) + 1;
+  return finest > coarsest || coarsest + 3 - (finest - below) <= 53;
+}
+
+}  // namespace talus

@@ -1,0 +1,191 @@
+#include "engine/page/manifest.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/error/error_rule.hpp"
+#include "engine/page/page_layout.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+using Json = nlohmann::json;
+
+/// What keeps later arithmetic inside its types, whatever the bytes say.
+void require_plausible(const Manifest& m) {
+  const auto refuse = [](const char* what) { throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", what)); };
+  const Description& d = m.description;
+  const auto within = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
+  if (!within(d.extent.first.col) || !within(d.extent.first.row) || !within(d.extent.last.col) ||
+      !within(d.extent.last.row) || d.extent.cols() < 1 || d.extent.rows() < 1) {
+    refuse("impossible extent");
+  }
+  if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
+  for (const double v :
+       {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor, d.step.offset,
+        d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
+    if (!std::isfinite(v)) refuse("a number that is none");
+  }
+  if (d.error_kind == ErrorKind::nested && d.error_metric == ErrorMetric::perpendicular)
+    refuse("nested errors that are perpendicular");
+  if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("a negative loss");
+  if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
+    refuse("number of coarsest pages does not fit the extent");
+  if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
+  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0)
+    refuse("impossible height step");
+}
+
+/// A whole number of its type: the JSON library alone would cut 2³² + 1 to 1.
+template <class Int>
+Int whole(const Json& json) {
+  if (json.is_number_unsigned() && std::in_range<Int>(json.get<std::uint64_t>())) return json.get<Int>();
+  if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<Int>(json.get<std::int64_t>()))
+    return json.get<Int>();
+  throw Failure(Cause::corrupt,
+                fmt::format("corrupt: header: {}: expected a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
+}
+
+}  // namespace
+
+std::vector<std::byte> encode(const Manifest& m) {
+  const Description& d = m.description;
+  const Json json = {
+      {"talus", kFormatVersion},
+      {"layout", {{"band_levels", kBandLevels}, {"page_side", kPageSide}, {"bands", m.bands}}},
+      {"extent", {d.extent.first.col, d.extent.first.row, d.extent.last.col, d.extent.last.row}},
+      {"mapping", {{"x0", d.mapping.x0}, {"y0", d.mapping.y0}, {"dx", d.mapping.dx}, {"dy", d.mapping.dy}}},
+      {"crs_wkt", d.crs_wkt},
+      {"source", {{"name", d.source_name}, {"type", d.source_type}}},
+      {"vertical", {{"unit", d.vertical_unit}, {"metres_per_unit", d.metres_per_unit}}},
+      {"step",
+       {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
+      {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
+      {"errors",
+       {{"kind", name_of(d.error_kind)},
+        {"metric", name_of(d.error_metric)},
+        {"void_weight", d.void_weight},
+        {"lossy_bound", d.lossy_metres},
+        {"finest_tolerance", d.finest_tolerance}}},
+      {"generation", m.generation},
+      {"top_generations", m.top_generations},
+  };
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+Manifest decode_manifest(std::span<const std::byte> bytes) {
+  const auto* text = reinterpret_cast<const char*>(bytes.data());
+  const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+  Manifest m;
+  try {
+    if (!json.is_object() || !json.contains("talus"))
+      throw Failure(Cause::corrupt, "corrupt: header: not a Talus header");
+    if (const int version = whole<int>(json.at("talus")); version != kFormatVersion) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("format version {}, this program reads version {}; ingest the source again or use "
+                                "the program that made the database",
+                                version, kFormatVersion));
+    }
+    const Json& layout = json.at("layout");
+    if (layout.at("band_levels") != kBandLevels || layout.at("page_side") != kPageSide) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("pages of {} samples and bands of {} levels, this program reads {} and {}",
+                                whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")), kPageSide,
+                                kBandLevels));
+    }
+    const Json& errors = json.at("errors");
+    const auto kind = error_kind_named(errors.at("kind").get<std::string>());
+    const auto metric = error_metric_named(errors.at("metric").get<std::string>());
+    if (!kind || !metric) {
+      throw Failure(Cause::unsupported, fmt::format("errors of kind {} and metric {}, which this program does not know",
+                                                    errors.at("kind").dump(), errors.at("metric").dump()));
+    }
+    m.bands = whole<int>(layout.at("bands"));
+    Description& d = m.description;
+    const Json& extent = json.at("extent");
+    const auto side = [&](std::size_t i) { return whole<std::int32_t>(extent.at(i)); };
+    d.extent = {{side(0), side(1)}, {side(2), side(3)}};
+    const Json& mapping = json.at("mapping");
+    d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
+    d.crs_wkt = json.at("crs_wkt");
+    d.source_name = json.at("source").at("name");
+    d.source_type = json.at("source").at("type");
+    d.vertical_unit = json.at("vertical").at("unit");
+    d.metres_per_unit = json.at("vertical").at("metres_per_unit");
+    const Json& step = json.at("step");
+    d.step = {step.at("scale"), step.at("divisor"), step.at("offset"), step.at("integer")};
+    d.minimum = json.at("heights").at("minimum");
+    d.maximum = json.at("heights").at("maximum");
+    d.void_samples = whole<std::uint64_t>(json.at("heights").at("void_samples"));
+    d.void_weight = errors.at("void_weight");
+    d.lossy_metres = errors.at("lossy_bound");
+    d.finest_tolerance = errors.value("finest_tolerance", 0.0);
+    d.error_kind = *kind;
+    d.error_metric = *metric;
+    m.generation = whole<std::uint32_t>(json.at("generation"));
+    for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));
+  } catch (const Json::exception& e) {
+    throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", e.what()));
+  }
+  require_plausible(m);
+  return m;
+}
+
+std::vector<std::byte> encode(const Provenance& p) {
+  Json sources = Json::array();
+  for (const SourceFile& s : p.sources) {
+    sources.push_back({{"name", s.name},
+                       {"driver", s.driver},
+                       {"type", s.type},
+                       {"cols", s.cols},
+                       {"rows", s.rows},
+                       {"bytes", s.bytes},
+                       {"xxh3", fmt::format("{:016x}", s.checksum)}});
+  }
+  Json above = Json::array();
+  for (const auto& [tolerance, vertices] : p.vertices_above) above.push_back({tolerance, vertices});
+  const Json json = {
+      {"sources", sources}, {"made_by", p.made_by}, {"generation", p.generation}, {"vertices_above", above}};
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+Provenance decode_provenance(std::span<const std::byte> bytes) {
+  const auto* text = reinterpret_cast<const char*>(bytes.data());
+  const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+  Provenance p;
+  try {
+    for (const Json& s : json.at("sources")) {
+      SourceFile source{s.at("name"),
+                        s.at("driver"),
+                        s.at("type"),
+                        whole<std::int64_t>(s.at("cols")),
+                        whole<std::int64_t>(s.at("rows")),
+                        whole<std::uint64_t>(s.at("bytes")),
+                        0};
+      const std::string digits = s.at("xxh3");
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), source.checksum, 16);
+      if (error != std::errc{} || end != digits.data() + digits.size())
+        throw Failure(Cause::corrupt, "corrupt: provenance: a checksum that is none");
+      p.sources.push_back(std::move(source));
+    }
+    p.made_by = json.at("made_by");
+    p.generation = whole<std::uint32_t>(json.at("generation"));
+    for (const Json& pair : json.at("vertices_above"))
+      p.vertices_above.emplace_back(pair.at(0).get<double>(), whole<std::uint64_t>(pair.at(1)));
+  } catch (const Json::exception& e) {
+    throw Failure(Cause::corrupt, fmt::format("corrupt: provenance: {}", e.what()));
+  }
+  return p;
+}
+
+}  // namespace talus

@@ -1,0 +1,174 @@
+#pragma once
+// How the vertices of a grid are cut into pages: level ranges ("bands") of square clusters.
+//
+// Band b holds the vertices whose spacing is 8^b, 2·8^b or 4·8^b; the coarsest band also all above. A page
+// is one band of a square of 128·8^b cells, aligned to multiples of its side, its north and west sides
+// included. Below every page of band b lie 8×8 pages of band b−1. A page carries the height of every
+// 8^b-th sample of its square, coarser vertices included, so it is read without any other page; errors
+// it carries for its own band's vertices only.
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/quadtree/grid.hpp"
+
+namespace talus {
+
+// The two constants of the layout; docs/decisions/0001-pages.md measured them. Any others would make another, equally
+// valid format, so they are written in the manifest.
+inline constexpr int kBandLevels = 3;  ///< levels (spacings) in a band
+inline constexpr int kPageShift = 7;   ///< log2 of samples along a page's side
+inline constexpr std::int32_t kPageSide = 1 << kPageShift;
+inline constexpr std::int32_t kChildrenAcross = 1 << kBandLevels;
+static_assert(kPageShift >= kBandLevels && kPageShift <= 10 && kBandLevels >= 1);
+
+struct PageId {
+  int band = 0;
+  std::int32_t x = 0, y = 0;  ///< in page sides of the band, signed
+  friend constexpr bool operator==(PageId, PageId) = default;
+};
+
+/// Cells between the samples of a band's pages.
+[[nodiscard]] constexpr int band_shift(int band) { return band * kBandLevels; }
+[[nodiscard]] constexpr std::int32_t band_spacing(int band) { return std::int32_t{1} << band_shift(band); }
+
+/// Bands 0 and 1 are settled tile by tile (engine/tile/tile.hpp), so there is always one above them.
+inline constexpr int kFewestBands = 3;
+
+/// Number of bands of an extent: the coarsest covers it with pages that meet at the origin, one where
+/// the extent starts there.
+[[nodiscard]] constexpr int band_count(GridRect extent) {
+  int bands = kFewestBands;
+  while (root_side(extent) > std::int64_t{kPageSide} << band_shift(bands - 1)) ++bands;
+  return bands;
+}
+
+/// The band a vertex belongs to.
+[[nodiscard]] constexpr int band_of(GridPoint p, int bands) {
+  const int band = height_in_tree(p) / kBandLevels;
+  return band < bands ? band : bands - 1;
+}
+
+[[nodiscard]] constexpr PageId page_of(GridPoint p, int band) {
+  const int shift = band_shift(band) + kPageShift;
+  return {band, p.col >> shift, p.row >> shift};
+}
+
+[[nodiscard]] constexpr PageId parent_page(PageId id) {
+  return {id.band + 1, id.x >> kBandLevels, id.y >> kBandLevels};
+}
+
+/// The page below that stands at `index` of the table of pages below: row by row.
+[[nodiscard]] constexpr PageId child_page(PageId id, std::size_t index) {
+  const auto i = static_cast<std::int32_t>(index);
+  return {id.band - 1, id.x * kChildrenAcross + i % kChildrenAcross, id.y * kChildrenAcross + i / kChildrenAcross};
+}
+
+/// The page's square in cells: first its north-west sample, last the last cell before the next page.
+[[nodiscard]] constexpr GridRect page_square(PageId id) {
+  const std::int64_t side = std::int64_t{kPageSide} << band_shift(id.band);
+  const std::int64_t limit = std::int64_t{1} << 30;
+  const auto cut = [&](std::int64_t v) {
+    return static_cast<std::int32_t>(v < -limit ? -limit : v > limit ? limit : v);
+  };
+  return {{cut(id.x * side), cut(id.y * side)}, {cut((id.x + 1) * side - 1), cut((id.y + 1) * side - 1)}};
+}
+
+/// The samples a page carries, in units of its band's spacing: those of its square inside the extent.
+struct PageGrid {
+  int shift = 0;
+  GridPoint first;  ///< in units
+  std::int32_t cols = 0, rows = 0;
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows); }
+  [[nodiscard]] GridPoint at(std::int32_t col, std::int32_t row) const {  ///< grid point of a page-relative sample
+    return {(first.col + col) * (1 << shift), (first.row + row) * (1 << shift)};
+  }
+};
+
+[[nodiscard]] constexpr PageGrid page_grid(PageId id, GridRect extent) {
+  const int shift = band_shift(id.band);
+  const auto first_unit = [&](std::int32_t v) {
+    return static_cast<std::int32_t>((std::int64_t{v} + (1 << shift) - 1) >> shift);
+  };
+  const std::int32_t col0 = id.x * kPageSide, row0 = id.y * kPageSide;
+  const std::int32_t first_col = first_unit(extent.first.col) > col0 ? first_unit(extent.first.col) : col0;
+  const std::int32_t first_row = first_unit(extent.first.row) > row0 ? first_unit(extent.first.row) : row0;
+  const std::int32_t last_col = extent.last.col >> shift, last_row = extent.last.row >> shift;
+  const std::int32_t end_col = (last_col < col0 + kPageSide - 1 ? last_col : col0 + kPageSide - 1) + 1;
+  const std::int32_t end_row = (last_row < row0 + kPageSide - 1 ? last_row : row0 + kPageSide - 1) + 1;
+  return {shift,
+          {first_col, first_row},
+          end_col > first_col ? end_col - first_col : 0,
+          end_row > first_row ? end_row - first_row : 0};
+}
+
+/// The samples of a page that lie in a rectangle, in page-relative columns and rows; last < first: none.
+[[nodiscard]] constexpr GridRect samples_in(const PageGrid& grid, GridRect rect) {
+  const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
+  const auto from = [&](std::int32_t v, std::int32_t first) {
+    const auto unit = static_cast<std::int32_t>((v + ceil) >> grid.shift) - first;
+    return unit > 0 ? unit : 0;
+  };
+  const auto to = [&](std::int32_t v, std::int32_t first, std::int32_t count) {
+    const std::int32_t unit = (v >> grid.shift) - first;
+    return unit < count - 1 ? unit : count - 1;
+  };
+  return {{from(rect.first.col, grid.first.col), from(rect.first.row, grid.first.row)},
+          {to(rect.last.col, grid.first.col, grid.cols), to(rect.last.row, grid.first.row, grid.rows)}};
+}
+/// visit(col, row) of each of them.
+template <class Visit>
+void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
+  const GridRect part = samples_in(grid, rect);
+  for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
+    for (std::int32_t col = part.first.col; col <= part.last.col; ++col) visit(col, row);
+  }
+}
+
+[[nodiscard]] constexpr bool overlap(GridRect a, GridRect b) {
+  return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row &&
+         b.first.row <= a.last.row;
+}
+
+/// Pages along a Morton curve: neighbours in the plane are mostly neighbours in the file.
+[[nodiscard]] constexpr std::uint64_t curve_position(PageId id) {
+  const auto spread = [](std::int32_t v) {
+    std::uint64_t bits = static_cast<std::uint32_t>(v) ^ 0x80000000u;  // signed order as unsigned
+    bits = (bits | bits << 16) & 0x0000ffff0000ffff;
+    bits = (bits | bits << 8) & 0x00ff00ff00ff00ff;
+    bits = (bits | bits << 4) & 0x0f0f0f0f0f0f0f0f;
+    bits = (bits | bits << 2) & 0x3333333333333333;
+    return (bits | bits << 1) & 0x5555555555555555;
+  };
+  return spread(id.x) | spread(id.y) << 1;
+}
+
+/// The page at a position of the curve.
+[[nodiscard]] constexpr PageId page_at(int band, std::uint64_t position) {
+  const auto gather = [](std::uint64_t bits) {
+    bits &= 0x5555555555555555;
+    bits = (bits | bits >> 1) & 0x3333333333333333;
+    bits = (bits | bits >> 2) & 0x0f0f0f0f0f0f0f0f;
+    bits = (bits | bits >> 4) & 0x00ff00ff00ff00ff;
+    bits = (bits | bits >> 8) & 0x0000ffff0000ffff;
+    bits = (bits | bits >> 16) & 0x00000000ffffffff;
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(bits) ^ 0x80000000u);
+  };
+  return {band, gather(position), gather(position >> 1)};
+}
+
+/// All pages of a band whose squares meet an extent, in curve order: such a page may carry no sample and yet have pages
+/// below it.
+[[nodiscard]] std::vector<PageId> pages_of_band(int band, GridRect extent);
+
+/// Whether a vertex is one of those that keep their heights whatever their error: a triangle at it, or at a vertex that
+/// depends on it, may leave the extent, and samples beside such a triangle are in nobody's error. With a vertex, the
+/// two that it depends on are near: a side midpoint's apexes lie s away and reach 3s, theirs lie s further and reach
+/// 4s.
+[[nodiscard]] constexpr bool is_near_border(GridPoint p, GridRect extent) {
+  const std::int64_t s = spacing(p), reach = is_centre(p) ? 3 * s : 2 * s;
+  return p.col - reach < extent.first.col || p.col + reach > extent.last.col || p.row - reach < extent.first.row ||
+         p.row + reach > extent.last.row;
+}
+
+}  // namespace talus

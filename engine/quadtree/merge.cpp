@@ -1,0 +1,113 @@
+#include "engine/quadtree/merge.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+[[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
+
+void require_whole(const RestrictedQuadtree& q) {
+  const std::size_t n = q.vertices.size();
+  if (q.heights.size() != n || (!q.covers.empty() && q.covers.size() != n))
+    refuse(fmt::format("{} vertices with {} heights and {} covers: expected one each", n, q.heights.size(),
+                       q.covers.size()));
+}
+
+std::string spelled(GridRect r) {
+  return fmt::format("columns {} to {}, rows {} to {}", r.first.col, r.last.col, r.first.row, r.last.row);
+}
+
+}  // namespace
+
+RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPoint> gone,
+                          const RestrictedQuadtree& added) {
+  require_whole(kept);
+  require_whole(added);
+  const GridRect region = added.vertices.region();
+  RestrictedQuadtree all;
+  all.region = added.region;
+  all.tolerance = added.tolerance;
+  all.bound = added.bound;
+  all.origin = added.origin;
+  all.level_errors = added.level_errors;
+
+  VertexMask dropped;
+  if (!gone.empty()) dropped = VertexMask(region);
+  for (const GridPoint p : gone) {
+    if (region.contains(p)) dropped.insert(p);
+  }
+  const auto stays = [&](GridPoint p) { return region.contains(p) && (gone.empty() || !dropped.contains(p)); };
+  VertexMask vertices(region);
+  std::size_t count = 0;
+  added.vertices.for_each([&](GridPoint p) { vertices.insert(p), ++count; });
+  kept.vertices.for_each([&](GridPoint p) {
+    if (stays(p)) vertices.insert(p), ++count;
+  });
+  vertices.seal();
+  if (vertices.size() != count) refuse("a vertex that is added is there already");
+
+  all.heights.resize(count);
+  if (!kept.covers.empty() || !added.covers.empty()) all.covers.assign(count, 15);
+  const auto put = [&](const RestrictedQuadtree& from, auto&& wanted) {
+    std::size_t i = 0;
+    from.vertices.for_each([&](GridPoint p) {
+      if (wanted(p)) {
+        const std::uint32_t to = vertices.rank(p);
+        all.heights[to] = from.heights[i];
+        if (!from.covers.empty()) all.covers[to] = from.covers[i];
+      }
+      ++i;
+    });
+  };
+  put(kept, stays);
+  put(added, [](GridPoint) { return true; });
+  if (std::all_of(all.covers.begin(), all.covers.end(), [](std::uint8_t c) { return c == 15; })) all.covers.clear();
+  all.vertices = std::move(vertices);
+  return all;
+}
+
+void require_fit(const RestrictedQuadtree& answer, const Increment& increment) {
+  const RestrictedQuadtree& added = increment.added;
+  if (!answer.origin.is_plain)
+    refuse("an answer that is more than a region at a tolerance, or less: increments go on from no such answer");
+  if (answer.origin.identity != added.origin.identity || added.origin.identity.content == 0) {
+    const Identity &a = answer.origin.identity, &b = added.origin.identity;
+    refuse(a.generation != b.generation
+               ? fmt::format("the increment is of update {} of a database, the answer of update {}: ask anew",
+                             b.generation, a.generation)
+               : fmt::format("the increment is of another database ({:016x}) than the answer ({:016x})", b.content,
+                             a.content));
+  }
+  if (!(answer.region == added.region) || !(answer.vertices.region() == added.vertices.region())) {
+    refuse(fmt::format("the increment is of the region of {}, the answer of that of {}", spelled(added.region),
+                       spelled(answer.region)));
+  }
+  if (answer.tolerance != increment.from) {
+    refuse(fmt::format("the increment goes on from an answer at {} m, this one is at {} m", increment.from.value,
+                       answer.tolerance.value));
+  }
+  if (answer.origin.quantum != added.origin.quantum) {
+    refuse(fmt::format(
+        "the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask for one --quantum",
+        added.origin.quantum.value, answer.origin.quantum.value));
+  }
+  if (answer.level_errors.size() != added.level_errors.size())
+    refuse(fmt::format("the increment has {} levels, the answer {}", added.level_errors.size(),
+                       answer.level_errors.size()));
+}
+
+RestrictedQuadtree merge(const RestrictedQuadtree& answer, const Increment& increment) {
+  require_fit(answer, increment);
+  const RestrictedQuadtree& added = increment.added;
+  RestrictedQuadtree merged = united(answer, {}, added);
+  for (std::size_t i = 0; i < merged.level_errors.size(); ++i)
+    merged.level_errors[i] = std::max(merged.level_errors[i], answer.level_errors[i]);
+  return merged;
+}
+
+}  // namespace talus

@@ -1,0 +1,90 @@
+#pragma once
+// What the candidates of a level are, as bytes: one way for each profile. docs/format/rqt-v1.md, sections 7 to 9.
+//
+// Rows of a level are cut into bands, of about as many rows each. Bands are coded apart, so that several threads can
+// take them; what is expected of a candidate does not depend on its band.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/stream/level_walk.hpp"
+#include "talus/stream.hpp"
+
+namespace talus {
+
+/// First row of a band; of `bands`, one past the last row.
+[[nodiscard]] constexpr std::int32_t band_row(std::int32_t rows, std::size_t bands, std::size_t band) {
+  return static_cast<std::int32_t>(static_cast<std::int64_t>(rows) * static_cast<std::int64_t>(band) /
+                                   static_cast<std::int64_t>(bands));
+}
+
+/// What a walk told of one band of half a level.
+template <class Code>
+struct BandRecord {
+  struct Row {
+    std::int32_t row;
+    std::size_t count;
+  };
+  BitLattice const* lattice = nullptr;
+  std::vector<Row> rows;
+  std::vector<std::uint8_t> contexts, present;
+  std::vector<Code> residuals;  ///< of absent ones: 0
+  // Only of the small profile.
+  std::vector<std::uint32_t> columns;
+  std::vector<std::uint8_t> energies, distances;
+
+  void take(const CandidateRow<Code>& row, bool with_surroundings);
+};
+
+/// Tables of the balanced profile may serve the next level, too.
+struct SymbolState;
+
+template <class Code>
+class LevelEncoder {
+ public:
+  explicit LevelEncoder(StreamProfile profile);
+  ~LevelEncoder();
+  LevelEncoder(const LevelEncoder&) = delete;
+  LevelEncoder& operator=(const LevelEncoder&) = delete;
+  /// halves  centres and sides: a record for each band
+  [[nodiscard]] std::vector<std::byte> encode(std::array<std::vector<BandRecord<Code>>, 2> const& halves);
+
+ private:
+  StreamProfile profile_;
+  std::unique_ptr<SymbolState> state_;
+};
+
+template <class Code>
+class LevelDecoder {
+ public:
+  explicit LevelDecoder(StreamProfile profile);
+  ~LevelDecoder();
+  LevelDecoder(const LevelDecoder&) = delete;
+  LevelDecoder& operator=(const LevelDecoder&) = delete;
+  /// The bytes of the next level; they must stay. Returns the number of bands.
+  /// fails  corrupt: anything they cannot be
+  [[nodiscard]] std::size_t start(std::span<const std::byte> bytes);
+  /// Tells what the candidates of a row are. Bands may be taken by several threads, the rows of each in order, the
+  /// centres of all before any sides.
+  void take(std::size_t half, std::size_t band, CandidateRow<Code>& row);
+  /// Whether each band was read to its end.
+  [[nodiscard]] bool is_intact() const;
+
+  struct Band;
+
+ private:
+  StreamProfile profile_;
+  std::unique_ptr<SymbolState> state_;
+  std::array<std::vector<std::unique_ptr<Band>>, 2> bands_;
+};
+
+extern template class LevelEncoder<std::int32_t>;
+extern template class LevelEncoder<std::int64_t>;
+extern template class LevelDecoder<std::int32_t>;
+extern template class LevelDecoder<std::int64_t>;
+
+}  // namespace talus

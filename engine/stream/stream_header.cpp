@@ -1,0 +1,240 @@
+#include "engine/stream/stream_header.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/quadtree/grid.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::array<char, 8> kMagic{'T', 'A', 'L', 'U', 'S', 'R', 'Q', 'T'};
+constexpr std::size_t kChecksum = 8, kSmallestHeader = 32;
+constexpr std::uint32_t kMostText = 1 << 20;  // a CRS of a megabyte is none
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+enum Flags : std::uint32_t {
+  kIncrement = 1,
+  kPlain = 2,
+  kCovers = 4,
+  kLevelErrors = 8,
+  kWholeCodes = 16,
+  kLoose = 32,
+  kWide = 64,
+  kNested = 128,
+  kMidpoint = 256,
+  kPerpendicular = 512,
+  kAllFlags = 1023
+};
+
+/// The doubles of a header, in their order.
+template <class Header, class Visit>
+void for_each_number(Header& h, Visit&& visit) {
+  auto& d = h.description;
+  for (auto* v :
+       {&h.from.value, &h.quadtree.tolerance.value, &h.quadtree.bound.value, &d.mapping.x0, &d.mapping.y0,
+        &d.mapping.dx, &d.mapping.dy, &d.step.scale, &d.step.divisor, &d.step.offset, &d.metres_per_unit, &d.minimum,
+        &d.maximum, &d.void_weight, &d.lossy_metres, &d.finest_tolerance, &h.quadtree.origin.quantum.value})
+    visit(*v);
+}
+
+int log2_root(GridRect r) { return std::countr_zero(static_cast<std::uint32_t>(root_side(r))); }
+
+bool is_within(GridRect inner, GridRect outer) { return outer.contains(inner.first) && outer.contains(inner.last); }
+
+/// What keeps later arithmetic inside its types.
+void require_plausible(const StreamTaker& in, const StreamHeader& h) {
+  const Description& d = h.description;
+  const RestrictedQuadtree& q = h.quadtree;
+  const GridRect& e = d.extent;
+  const auto in_range = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
+  if (!in_range(e.first.col) || !in_range(e.first.row) || !in_range(e.last.col) || !in_range(e.last.row) ||
+      e.cols() < 1 || e.rows() < 1)
+    in.refuse("impossible extent");
+  if (h.window.cols() < 1 || h.window.rows() < 1) in.refuse("an empty window");
+  if (q.region.cols() < 1 || q.region.rows() < 1 || !is_within(q.region, h.window) || !is_within(h.window, e))
+    in.refuse("a region that is not in its window, or not in the extent");
+  if (q.origin.border == Border::constrain && !(h.window == q.region))
+    in.refuse("a window beyond a constrained border");
+  for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor,
+                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres,
+                         d.finest_tolerance, q.origin.quantum.value}) {
+    if (!std::isfinite(v)) in.refuse("a number that is none");
+  }
+  for (const GridPoint corner : {e.first, e.last}) {
+    if (!std::isfinite(d.mapping.x(corner.col)) || !std::isfinite(d.mapping.y(corner.row)))
+      in.refuse("samples beyond all numbers");
+  }
+  if (d.minimum > d.maximum) in.refuse("a lowest height above the highest");
+  if (!h.is_increment && h.base != 0) in.refuse("an answer with the digest of a base");
+  if (d.mapping.dx <= 0 || d.mapping.dy >= 0) in.refuse("impossible grid mapping");
+  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0 || d.lossy_metres < 0 ||
+      d.finest_tolerance < 0 || q.origin.quantum.value < 0)
+    in.refuse("impossible height step, unit, weight, loss or quantum");
+  if ((h.kind == CodeKind::quanta) != (q.origin.quantum.value > 0))
+    in.refuse("a quantum that does not fit the heights' code");
+  if (!(q.tolerance.value >= 0) || !(q.bound.value >= 0) || !(h.from.value >= 0))
+    in.refuse("a tolerance or bound that is none");
+  if (h.is_increment ? !(q.tolerance < h.from) || !q.origin.is_plain : h.from.value != kInfinity)
+    in.refuse("a tolerance to go on from that does not fit");
+  if (q.origin.is_plain && (q.origin.border != Border::constrain || q.level_errors.empty()))
+    in.refuse("a plain answer with another border, or without level errors");
+  for (const double v : q.level_errors) {
+    if (!(v >= 0)) in.refuse("an error that is none");
+  }
+}
+
+/// Where a mask would be too large, before there is one.
+void require_room(const StreamHeader& h, const StreamLimits& limits) {
+  const GridRect& window = h.window;
+  const auto words = static_cast<std::uint64_t>((window.cols() + 63) / 64) * static_cast<std::uint64_t>(window.rows());
+  const std::uint64_t bytes = words * 12;  // bits and ranks
+  if (bytes > limits.mask_bytes) {
+    throw Failure(
+        Cause::unsupported,
+        fmt::format("a region of {} x {} samples needs a mask of {} bytes, and StreamLimits allow {}: the stream "
+                    "is damaged or forged, or very coarse; ask for a smaller region",
+                    window.cols(), window.rows(), bytes, limits.mask_bytes));
+  }
+  if (h.vertices > limits.vertices) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("a stream of {} vertices, and StreamLimits allow {}", h.vertices, limits.vertices));
+  }
+}
+
+}  // namespace
+
+Metres StreamHeader::bound(std::size_t part) const {
+  if (part + 1 == parts) return quadtree.bound;
+  if (quadtree.level_errors.empty()) return Metres{kInfinity};
+  double largest = quadtree.bound.value;
+  for (std::size_t i = part + 1; i < parts; ++i) largest = std::max(largest, quadtree.level_errors[parts - 1 - i]);
+  return Metres{largest};
+}
+
+void put_header(StreamWriter& out, const StreamHeader& h) {
+  const Description& d = h.description;
+  const RestrictedQuadtree& q = h.quadtree;
+  if (d.crs_wkt.size() > kMostText || d.vertical_unit.size() > kMostText)
+    throw Failure(Cause::invalid_argument, "a CRS or a vertical unit of more than a megabyte cannot be written");
+  out.put(std::string(kMagic.data(), kMagic.size()));
+  out.put(kStreamVersion);
+  out.put(std::uint32_t{0});  // the header's length, put in below
+  out.put((h.is_increment ? kIncrement : 0u) | (q.origin.is_plain ? kPlain : 0u) | (h.has_covers ? kCovers : 0u) |
+          (q.level_errors.empty() ? 0u : kLevelErrors) | (d.step.integer ? kWholeCodes : 0u) |
+          (h.has_loose ? kLoose : 0u) | (h.is_wide ? kWide : 0u) | (d.error_kind == ErrorKind::nested ? kNested : 0u) |
+          (d.error_kind == ErrorKind::midpoint ? kMidpoint : 0u) |
+          (d.error_metric == ErrorMetric::perpendicular ? kPerpendicular : 0u));
+  out.put(static_cast<std::uint32_t>(h.parts));
+  out.put(q.origin.identity.content);
+  out.put(q.origin.identity.generation);
+  out.put(static_cast<std::uint32_t>(q.origin.border));
+  out.put(q.region);
+  out.put(h.window);
+  out.put(d.extent);
+  for_each_number(h, [&](double v) { out.put(v); });
+  out.put(h.vertices);
+  out.put(static_cast<std::uint32_t>(h.profile));
+  out.put(static_cast<std::uint32_t>(h.kind));
+  out.put(h.base);
+  out.put(static_cast<std::uint32_t>(d.crs_wkt.size()));
+  out.put(static_cast<std::uint32_t>(d.vertical_unit.size()));
+  for (const double error : q.level_errors) out.put(error);
+  out.put(d.crs_wkt);
+  out.put(d.vertical_unit);
+  const auto length = static_cast<std::uint32_t>(out.bytes.size() + kChecksum);
+  for (std::size_t i = 0; i < 4; ++i) out.bytes[12 + i] = static_cast<std::byte>(length >> (8 * i));
+  out.seal(0);
+}
+
+bool begins_as_stream(std::span<const std::byte> bytes) {
+  const std::size_t known = std::min(bytes.size(), kMagic.size());
+  return std::equal(kMagic.begin(), kMagic.begin() + static_cast<std::ptrdiff_t>(known), bytes.begin(),
+                    [](char a, std::byte b) { return static_cast<std::byte>(a) == b; });
+}
+
+std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const StreamLimits& limits) {
+  StreamTaker in(bytes);
+  if (!begins_as_stream(bytes)) StreamTaker::refuse(0, "not the stream of a restricted quadtree");
+  if (bytes.size() < 16) return std::nullopt;
+  (void)in.take(kMagic.size());
+  const auto version = in.take<std::uint32_t>();
+  const auto length = in.take<std::uint32_t>();
+  if (length < kSmallestHeader || length > 4 * kMostText)
+    StreamTaker::refuse(12, fmt::format("a header of {} bytes", length));
+  if (bytes.size() < length) return std::nullopt;
+  // Any version has these three and a checksum: what is damaged is not taken for what is new.
+  StreamHeader h;
+  h.bytes = length;
+  h.seal = stream_checksum(bytes.first(length - kChecksum), 0);
+  if (StreamTaker(bytes.subspan(length - kChecksum)).take<std::uint64_t>() != h.seal)
+    StreamTaker::refuse(0, "checksum of the header");
+  if (version != kStreamVersion) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("a stream of version {}, this program reads version {}", version, kStreamVersion));
+  }
+  in = StreamTaker(bytes.first(length - kChecksum));
+  (void)in.take(kMagic.size() + 8);
+  const auto flags = in.take<std::uint32_t>();
+  if ((flags & ~std::uint32_t{kAllFlags}) != 0) in.refuse("unknown flags");
+  h.is_increment = (flags & kIncrement) != 0;
+  h.has_covers = (flags & kCovers) != 0;
+  h.has_loose = (flags & kLoose) != 0;
+  h.is_wide = (flags & kWide) != 0;
+  RestrictedQuadtree& q = h.quadtree;
+  Description& d = h.description;
+  q.origin.is_plain = (flags & kPlain) != 0;
+  d.step.integer = (flags & kWholeCodes) != 0;
+  if ((flags & kNested) != 0) d.error_kind = ErrorKind::nested;
+  if ((flags & kMidpoint) != 0) d.error_kind = ErrorKind::midpoint;
+  if ((flags & kPerpendicular) != 0) d.error_metric = ErrorMetric::perpendicular;
+  if ((flags & kNested) != 0 && (flags & (kMidpoint | kPerpendicular)) != 0)
+    in.refuse("errors of two kinds that do not go together");
+  h.parts = in.take<std::uint32_t>();
+  q.origin.identity.content = in.take<std::uint64_t>();
+  q.origin.identity.generation = in.take<std::uint32_t>();
+  const auto border = in.take<std::uint32_t>();
+  if (border > static_cast<std::uint32_t>(Border::clip)) in.refuse("unknown border");
+  q.origin.border = static_cast<Border>(border);
+  q.region = in.rect();
+  h.window = in.rect();
+  d.extent = in.rect();
+  for_each_number(h, [&](double& v) { v = in.take<double>(); });
+  h.vertices = in.take<std::uint64_t>();
+  const auto profile = in.take<std::uint32_t>(), kind = in.take<std::uint32_t>();
+  if (profile > static_cast<std::uint32_t>(StreamProfile::small)) in.refuse("unknown profile");
+  if (kind > static_cast<std::uint32_t>(CodeKind::quanta)) in.refuse("unknown code of heights");
+  h.profile = static_cast<StreamProfile>(profile);
+  h.kind = static_cast<CodeKind>(kind);
+  h.base = in.take<std::uint64_t>();
+  const auto crs = in.take<std::uint32_t>(), unit = in.take<std::uint32_t>();
+  const std::size_t errors = (flags & kLevelErrors) != 0 ? h.parts : 0;
+  if (crs > kMostText || unit > kMostText || errors > 64 || in.left() != crs + unit + 8 * errors)
+    in.refuse("texts or errors that do not fit the header");
+  for (std::size_t i = 0; i < errors; ++i) q.level_errors.push_back(in.take<double>());
+  d.crs_wkt = in.text(crs);
+  d.vertical_unit = in.text(unit);
+  require_plausible(in, h);
+  if (h.root() != (errors > 0 ? log2_root(d.extent) : log2_root(h.window)))
+    in.refuse(fmt::format("{} parts do not fit the extent", h.parts));
+  require_room(h, limits);
+  return h;
+}
+
+std::uint64_t digest_of(const RestrictedQuadtree& q) {
+  static_assert(std::endian::native == std::endian::little, "numbers go into digests as they lie in memory");
+  std::uint64_t digest = 0;
+  const GridRect& window = q.vertices.region();
+  for (std::int64_t row = window.first.row; row <= window.last.row; ++row) {
+    const auto words = q.vertices.row_words(static_cast<std::int32_t>(row));
+    digest = stream_checksum(std::as_bytes(words), digest);
+  }
+  return stream_checksum(std::as_bytes(std::span(q.heights)), digest);
+}
+
+}  // namespace talus

@@ -1,0 +1,127 @@
+#include "ingest/raster/raster_bands.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+/// What a band shows if it is a colour; null where it may be heights.
+const char* colour_of(GDALRasterBandH band) {
+  const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
+  if (meaning == GCI_PaletteIndex ||
+      (GDALGetRasterDataType(band) == GDT_Byte && GDALGetRasterColorTable(band) != nullptr))
+    return "a palette";
+  if (meaning == GCI_Undefined || meaning == GCI_GrayIndex || meaning == GCI_AlphaBand) return nullptr;
+  return GDALGetColorInterpretationName(meaning);
+}
+
+[[noreturn]] void refuse_colours(const RasterFacts& facts, int band, const char* colour) {
+  throw Failure(
+      Cause::unsupported,
+      fmt::format("{} holds colours, not heights: band {} is {}. If the colours stand for heights, "
+                  "InputOptions::decode says how, terrain-rgb or terrarium; if they are heights, gdal_translate "
+                  "-colorinterp gray says so",
+                  facts.name, band, colour),
+      facts.name);
+}
+
+/// Red, green and blue, and perhaps alpha.
+void require_colours(GDALDatasetH dataset, const InputOptions& options, const RasterFacts& facts) {
+  const int bands = GDALGetRasterCount(dataset) - static_cast<int>(facts.alphas.size());
+  bool are_bytes = bands == 3 && (facts.alphas.empty() || facts.alphas.front() == 4);
+  for (int i = 1; are_bytes && i <= bands; ++i)
+    are_bytes = GDALGetRasterDataType(GDALGetRasterBand(dataset, i)) == GDT_Byte;
+  if (!are_bytes || options.band != 0) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format(
+            "{}: InputOptions::decode takes rasters of three bands of bytes, red, green and blue, and perhaps alpha{}",
+            facts.name, are_bytes ? "; InputOptions::band does not go with it" : ""),
+        facts.name);
+  }
+  constexpr std::array kOrder{GCI_RedBand, GCI_GreenBand, GCI_BlueBand};
+  for (int i = 1; i <= bands; ++i) {
+    GDALRasterBandH band = GDALGetRasterBand(dataset, i);
+    const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
+    if (meaning != kOrder[static_cast<std::size_t>(i - 1)] && meaning != GCI_Undefined && meaning != GCI_GrayIndex) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format(
+              "{}: band {} is {}; InputOptions::decode takes red, green and blue in this order (gdal_translate -b "
+              "reorders bands)",
+              facts.name, i, GDALGetColorInterpretationName(meaning)),
+          facts.name);
+    }
+    if (GDALGetRasterScale(band, nullptr) != 1 || GDALGetRasterOffset(band, nullptr) != 0) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: band {} has a scale or an offset, which colours that stand for heights do not have",
+                      facts.name, i),
+          facts.name);
+    }
+  }
+  const char* compression = GDALGetMetadataItem(dataset, "COMPRESSION", "IMAGE_STRUCTURE");
+  const std::string_view kind = compression == nullptr ? "" : compression;
+  if (kind.find("JPEG") != std::string_view::npos || kind == "WEBP" || kind == "JXL" ||
+      kind.find("LERC") != std::string_view::npos) {
+    const char* reversible = GDALGetMetadataItem(dataset, "COMPRESSION_REVERSIBILITY", "IMAGE_STRUCTURE");
+    if (reversible == nullptr || !std::string_view(reversible).starts_with("LOSSLESS")) {
+      throw Failure(
+          Cause::unsupported,
+          fmt::format(
+              "{} is compressed by {}, which changes colours a little and the heights they stand for by thousands of "
+              "metres; get it without loss",
+              facts.name, kind),
+          facts.name);
+    }
+  }
+}
+
+}  // namespace
+
+void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
+  const int bands = GDALGetRasterCount(dataset);
+  std::vector<int> others;
+  for (int i = 1; i <= bands; ++i) {
+    const bool is_alpha = GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset, i)) == GCI_AlphaBand;
+    (is_alpha ? facts.alphas : others).push_back(i);
+  }
+  if (others.empty()) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{} has no band to take heights from{}", facts.name, bands > 0 ? ": it has alpha only" : ""),
+        facts.name);
+  }
+  facts.decode = options.decode;
+  if (facts.decode != ColourCode::none) return require_colours(dataset, options, facts);
+  for (const int i : others) {
+    if (const char* colour = colour_of(GDALGetRasterBand(dataset, i))) refuse_colours(facts, i, colour);
+  }
+  facts.band = options.band == 0 ? others.front() : options.band;
+  if (std::find(others.begin(), others.end(), facts.band) == others.end()) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has {} band{}{}: InputOptions::band {} names no heights of it", facts.name, bands,
+                              bands == 1 ? "" : "s", facts.alphas.empty() ? "" : ", alpha among them", facts.band),
+                  facts.name);
+  }
+  if (others.size() > 1 && options.band == 0) {
+    facts.notes.push_back(
+        fmt::format("has {} bands of heights; the first is read, InputOptions::band chooses another", others.size()));
+  }
+}
+
+void take_colour_code(RasterFacts& facts) {
+  if (facts.decode == ColourCode::none) return;
+  facts.type = GDT_UInt32;
+  facts.scale = facts.decode == ColourCode::terrarium ? 1.0 / 256 : 0.1;
+  facts.offset = facts.decode == ColourCode::terrarium ? -32768 : -10000;
+}
+
+}  // namespace talus

@@ -1,0 +1,74 @@
+#include "ingest/work/existing_database.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "engine/page/page_codec.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+
+Base::Base(const std::filesystem::path& database) : txn_(PageStore::open(database)) {
+  const auto header = txn_.find({kHeaderTable, kManifestPosition});
+  if (!header)
+    throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", database.string()));
+  try {
+    manifest_ = decode_manifest(header->content);
+  } catch (const Failure& f) {
+    throw Failure(f.cause(), fmt::format("{}: {}", database.string(), f.what()));
+  }
+}
+
+Provenance Base::provenance() const {
+  const auto stored = txn_.find({kHeaderTable, kProvenancePosition});
+  return stored ? decode_provenance(stored->content) : Provenance{};
+}
+
+std::uint32_t Base::generation_of(PageKey key, std::span<const std::byte> content, std::uint32_t otherwise) const {
+  const auto stored = txn_.find(key);
+  const bool same =
+      stored && std::equal(content.begin(), content.end(), stored->content.begin(), stored->content.end());
+  return same ? stored->generation : otherwise;
+}
+
+void Base::fill(Window& window) const {
+  const GridRect& extent = manifest_.description.extent;
+  if (!overlap(window.region, extent)) return;
+  const CodeDistance distance(manifest_.description.step, manifest_.description.metres_per_unit);
+  PageDecoder decoder;
+  const PageId first = page_of(
+      {std::max(window.region.first.col, extent.first.col), std::max(window.region.first.row, extent.first.row)}, 0);
+  const PageId last = page_of(
+      {std::min(window.region.last.col, extent.last.col), std::min(window.region.last.row, extent.last.row)}, 0);
+  for (std::int32_t y = first.y; y <= last.y; ++y) {
+    for (std::int32_t x = first.x; x <= last.x; ++x) {
+      const PageId id{0, x, y};
+      const auto stored = txn_.find({0, curve_position(id)});
+      if (!stored) continue;  // voids only
+      const Page& page = decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content);
+      txn_.require_all_bytes();
+      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+          const GridPoint p = page.grid.at(col, row);
+          const std::size_t from = page.index(col, row);
+          if (!window.region.contains(p) || (!page.valid.empty() && !page.valid[from])) continue;
+          const auto to =
+              static_cast<std::size_t>((std::int64_t{p.row} - window.region.first.row) * window.region.cols() +
+                                       (p.col - window.region.first.col));
+          if (window.valid[to]) continue;
+          window.valid[to] = 1;
+          std::visit(
+              [&](auto& codes) {
+                codes[to] =
+                    static_cast<typename std::remove_reference_t<decltype(codes)>::value_type>(page.heights[from]);
+              },
+              window.codes);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace talus

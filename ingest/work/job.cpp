@@ -1,0 +1,362 @@
+#include "ingest/work/job.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "engine/tile/coarse_levels.hpp"
+#include "ingest/files/gdal_scope.hpp"
+#include "ingest/raster/ground.hpp"
+#include "ingest/work/thread_pool.hpp"
+
+namespace talus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What of the time goes into tiles; the rest is settling the levels above them and sealing the file.
+constexpr double kTileShare = 0.97;
+
+class Teller {
+ public:
+  Teller(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
+
+  void beginning(const char* stage) { say(stage, 0, 0); }
+  void tiles(std::uint64_t samples) { tell(samples, "tiles", kTileShare); }
+  void rest(const char* stage, double fraction) { say(stage, fraction, all()); }
+
+ private:
+  [[nodiscard]] std::uint64_t all() const { return static_cast<std::uint64_t>(job_.description.extent.samples()); }
+  void tell(std::uint64_t samples, const char* stage, double share) {
+    say(stage, share * static_cast<double>(samples) / static_cast<double>(all()), samples);
+  }
+  void say(const char* stage, double fraction, std::uint64_t samples) {
+    if (!job_.options.progress) return;
+    const double seconds = std::chrono::duration<double>(Clock::now() - job_.started).count();
+    const double before = kTileShare * static_cast<double>(before_) / static_cast<double>(all());
+    const double left = fraction > before + 0.005 ? seconds * (1 - fraction) / (fraction - before) : -1;
+    job_.options.progress({fraction, stage, samples, all(), seconds, left, before_});
+  }
+
+  const Job& job_;
+  std::uint64_t before_;  // settled by an ingest that was interrupted
+};
+
+/// What a future holds; meanwhile the caller is told, and may throw.
+template <class Result>
+Result wait_for(std::future<Result>& future, Teller& teller, std::uint64_t samples) {
+  while (future.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) teller.tiles(samples);
+  return future.get();
+}
+
+// ---- stage one: tiles ------------------------------------------------------------------------------
+
+/// What settling a tile works in. Keeping it for the next tile spares fresh memory, which costs more than filling it.
+struct TileMemory {
+  Window window;
+  TileErrors errors;
+  TilePacking packing;
+};
+
+ErrorRule rule_of(const Job& job) {
+  return {job.description.error_kind, job.description.error_metric,
+          [&job](std::int32_t row) { return job.ground.cell(row); }};
+}
+
+TilePages settle_tile(const Job& job, TileId id, const Window& panel, TileMemory& memory) {
+  const GridRect part = tile_window(id, job.description.extent);
+  if (is_empty(part)) return {};
+  Window& window = memory.window;
+  cut(panel, part, window);
+  TileInput input;
+  input.id = id;
+  input.extent = job.description.extent;
+  std::visit([&](const auto& codes) { input.heights = std::span(codes); }, window.codes);
+  input.valid = window.valid;
+  input.distance = job.distance;
+  input.ground_side = [&](const HalfDiamond& t) { return job.ground.longest_side(t.a, t.b, t.apex).value; };
+  input.void_weight = job.description.void_weight;
+  input.rule = rule_of(job);
+  tile_errors(input, memory.errors);
+  return pack_tile(id, memory.errors, window.valid, job.making, memory.packing);
+}
+
+PageKey record_key(TileId id) { return {kRecordTable, curve_position({1, id.x, id.y})}; }
+TileId tile_at(std::uint64_t position) {
+  const PageId id = page_at(1, position);
+  return {id.x, id.y};
+}
+
+std::uint64_t own_samples(TileId id, GridRect extent) {
+  const GridRect r{{std::max(id.x * kTileSide, extent.first.col), std::max(id.y * kTileSide, extent.first.row)},
+                   {std::min(id.x * kTileSide + kTileSide - 1, extent.last.col),
+                    std::min(id.y * kTileSide + kTileSide - 1, extent.last.row)}};
+  return r.cols() > 0 && r.rows() > 0 ? static_cast<std::uint64_t>(r.samples()) : 0;
+}
+
+void put(PageWriter& writer, TileId id, const TilePages& tile, std::uint64_t& pages) {
+  for (const PageBytes& page : tile.pages) writer.put(page.key, page.content, page.generation);
+  pages += tile.pages.size();
+  writer.put(record_key(id), encode(tile.summary), tile.summary.entry.generation);
+  writer.commit();
+}
+
+/// Panel by panel: while one is worked on, the next is read. Results are written in order, so that the file is the same
+/// for any number of threads.
+void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
+  std::vector<Panel> panels = panels_of(job.description.extent, job.budget.tiles_across);
+  std::uint64_t settled = 0;
+  {
+    const ReadTxn done = writer.committed();
+    for (Panel& panel : panels) {
+      std::erase_if(panel.tiles, [&](TileId id) {
+        const bool keep = done.has(record_key(id)) && !job.is_stale(id);
+        if (keep) settled += own_samples(id, job.description.extent);
+        return keep;
+      });
+    }
+  }
+  std::erase_if(panels, [](const Panel& panel) { return panel.tiles.empty(); });
+  if (panels.empty()) return;
+  const std::uint64_t settled_before = settled;
+  Teller teller(job, settled);
+  teller.tiles(settled);
+
+  PanelReader reader(job.read);
+  std::deque<TileMemory> memories(job.budget.threads);
+  Crew crew(job.budget.threads);  // after what its work looks at
+  const auto read = [&](std::size_t i) { return crew.give([&, i](unsigned) { return &reader.read(panels[i]); }); };
+  auto next = read(0);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const Window& panel = *wait_for(next, teller, settled);
+    if (i + 1 < panels.size()) next = read(i + 1);
+    job.files->require_unchanged(panels[i].window);  // no tile of this panel is written yet
+    std::deque<std::future<TilePages>> under_way;
+    const std::vector<TileId>& tiles = panels[i].tiles;
+    for (std::size_t done = 0, given = 0; done < tiles.size(); ++done) {
+      for (; given < tiles.size() && under_way.size() < 2 * job.budget.threads; ++given) {
+        under_way.push_back(
+            crew.give([&, id = tiles[given]](unsigned who) { return settle_tile(job, id, panel, memories[who]); }));
+      }
+      const TilePages tile = wait_for(under_way.front(), teller, settled);
+      under_way.pop_front();
+      put(writer, tiles[done], tile, report.pages);
+      ++report.tiles;
+      settled += own_samples(tiles[done], job.description.extent);
+      teller.tiles(settled);
+    }
+  }
+  report.samples = settled - settled_before;
+}
+
+// ---- stage two: what is larger than a tile -----------------------------------------------------------
+
+struct Totals {
+  std::uint64_t valid = 0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  ErrorHistogram errors{};
+  std::unordered_map<std::uint64_t, ChildEntry> entries;  ///< of the pages of band 1
+
+  void take(TileId id, const TileSummary& summary) {
+    valid += summary.valid_samples;
+    if (summary.valid_samples > 0) {
+      lowest = std::min(lowest, summary.lowest);
+      highest = std::max(highest, summary.highest);
+    }
+    for (std::size_t i = 0; i < errors.size(); ++i) errors[i] += summary.errors[i];
+    if (summary.entry.present) entries.emplace(curve_position({1, id.x, id.y}), summary.entry);
+  }
+};
+
+/// The levels above tiles; their pages wait, for as long as the file is looked at nothing may be written into it.
+Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, std::vector<PageBytes>& pages) {
+  const ReadTxn view = writer.view();
+  Totals totals;
+  const GroundSide ground = [&](const HalfDiamond& t) { return job.ground.longest_side(t.a, t.b, t.apex).value; };
+  CoarseLevels levels(job.description.extent, job.distance, ground, job.description.void_weight, rule_of(job));
+  const ForEachTile tiles = [&](const auto& visit) {
+    view.for_each(kRecordTable, [&](std::uint64_t position) {
+      const auto stored = view.find({kRecordTable, position});
+      visit(tile_at(position), decode_tile_summary(stored->content));
+      view.forget({kRecordTable, position});
+    });
+  };
+  tiles([&](TileId id, const TileSummary& summary) { totals.take(id, summary); });
+  PageDecoder decoder;
+  const ReadBack read_back = [&](PageId id) -> const Page* {
+    const PageKey key{id.band, curve_position(id)};
+    const auto stored = view.find(key);
+    if (!stored) return nullptr;
+    const Page& page =
+        decoder.decode_heights(id, job.description.extent, job.making.bands, job.distance, stored->content);
+    view.require_all_bytes();
+    view.forget(key);
+    return &page;
+  };
+  if (totals.valid == 0) return totals;
+  levels.settle(tiles, job.making.kept_above > 0 ? ReadBack() : read_back);
+  report.pages_read_back = levels.pages_read_back();
+  pack_coarse(levels, totals.entries, job.making, [&](PageBytes page) { pages.push_back(std::move(page)); });
+  return totals;
+}
+
+std::vector<std::uint32_t> top_generations(const Job& job, const std::vector<PageBytes>& pages) {
+  std::vector<std::uint32_t> tops;
+  for (const PageId id : pages_of_band(job.making.bands - 1, job.description.extent)) {
+    const PageKey key{id.band, curve_position(id)};
+    const auto found = std::find_if(pages.begin(), pages.end(), [&](const PageBytes& p) { return p.key == key; });
+    tops.push_back(found == pages.end() ? 0 : found->generation);
+  }
+  return tops;
+}
+
+void finish(Job& job, PageWriter& writer, const Totals& totals, const std::vector<PageBytes>& pages,
+            Provenance provenance) {
+  Description& d = job.description;
+  const auto all = static_cast<std::uint64_t>(d.extent.samples());
+  d.void_samples = all - totals.valid;
+  d.minimum = totals.lowest;
+  d.maximum = totals.highest;
+  for (const PageBytes& page : pages) writer.put(page.key, page.content, page.generation);
+  const Manifest manifest{d, job.making.bands, provenance.generation, top_generations(job, pages)};
+  provenance.vertices_above.clear();  // those of the generation before
+  for (std::size_t i = 0; i < kErrorRungs; ++i) provenance.vertices_above.emplace_back(error_rung(i), totals.errors[i]);
+  writer.put({kHeaderTable, kPlanPosition}, {}, provenance.generation);  // nothing is left to resume
+  writer.put({kHeaderTable, kProvenancePosition}, encode(provenance), provenance.generation);
+  writer.put({kHeaderTable, kManifestPosition}, encode(manifest), provenance.generation);
+}
+
+std::string seam_note(const SeamReport& seams) {
+  if (seams.different == 0) return "";
+  return fmt::format("where inputs overlap, {} of {} samples differ, most by {} m at {}, {}: {} covers {}",
+                     seams.different, seams.compared, seams.largest_m, seams.x, seams.y, seams.covering, seams.covered);
+}
+
+void require_sense(const IngestOptions& options) {
+  if (!(options.void_weight >= 0) || options.void_weight > 1e6) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
+  }
+  if (options.error_kind == ErrorKind::midpoint && !options.no_guarantee) {
+    throw Failure(
+        Cause::invalid_argument,
+        "midpoint errors bound nothing: samples may lie any distance beyond the tolerance. Take exact errors, or say "
+        "that no answer of this database needs to keep its bound (--no-guarantee)");
+  }
+  if (options.error_kind == ErrorKind::nested && options.error_metric == ErrorMetric::perpendicular) {
+    throw Failure(
+        Cause::invalid_argument,
+        "nested errors are sums along the vertical, which bound no perpendicular distance: the perpendicular metric "
+        "goes with exact errors, or with midpoint ones, which bound nothing");
+  }
+  if (options.finest_tolerance > 0 &&
+      (options.error_kind == ErrorKind::midpoint || options.error_metric == ErrorMetric::perpendicular)) {
+    throw Failure(
+        Cause::invalid_argument,
+        "a finest tolerance leaves out heights that vertical errors vouch for: it goes with exact and nested errors "
+        "along the vertical");
+  }
+  const double coarsest = 1e6;
+  if (!(options.finest_tolerance >= 0) || options.finest_tolerance > coarsest) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("finest tolerance {} m: expected metres, 0 to {}", options.finest_tolerance, coarsest));
+  }
+  if (options.finest_tolerance > 0 && options.finest_tolerance <= options.inputs.height_step / 2) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("finest tolerance {} m: heights rounded to {} m lie up to {} m off; ask for more",
+                              options.finest_tolerance, options.inputs.height_step, options.inputs.height_step / 2));
+  }
+}
+
+}  // namespace
+
+Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
+           const IngestOptions& options) {
+  require_sense(options);
+  Job job{options, description, std::move(read), {}, {}, nullptr, ground_scale(description), {}, {}};
+  const Description& d = job.description;
+  job.is_stale = [](TileId) { return false; };
+  job.distance = CodeDistance(d.step, d.metres_per_unit);
+  job.making = {d.extent,       d.step,
+                job.distance,   band_count(d.extent),
+                d.kept_above(), [](PageKey, std::span<const std::byte>) { return 0u; }};
+  job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code, block_bytes);
+  return job;
+}
+
+void tell_of(const Job& job, const char* stage) { Teller(job, 0).beginning(stage); }
+
+IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
+  IngestEstimate sum;
+  sum.description = job.description;
+  sum.threads = job.budget.threads;
+  std::vector<TileId> tiles;
+  for (const Panel& panel : panels_of(job.description.extent, 1)) {
+    for (const TileId id : panel.tiles) {
+      if (is_wanted(id)) tiles.push_back(id);
+    }
+  }
+  sum.tiles = tiles.size();
+  constexpr std::size_t kTried = 5;
+  const std::size_t tried = std::min(kTried, tiles.size());
+  double samples = 0, seconds = 0, bytes = 0, all = 0;
+  for (const TileId id : tiles) all += static_cast<double>(own_samples(id, job.description.extent));
+  Window read;
+  TileMemory memory;
+  for (std::size_t i = 0; i < tried; ++i) {
+    const TileId id = tiles[(2 * i + 1) * tiles.size() / (2 * tried)];
+    const auto begun = Clock::now();
+    const GridRect window = tile_window(id, job.description.extent);
+    job.read(read, window, window);
+    const TilePages tile = settle_tile(job, id, read, memory);
+    seconds += std::chrono::duration<double>(Clock::now() - begun).count();
+    samples += static_cast<double>(own_samples(id, job.description.extent));
+    for (const PageBytes& page : tile.pages) bytes += static_cast<double>(page.content.size());
+    bytes += static_cast<double>(encode(tile.summary).size());
+  }
+  if (samples > 0) {
+    constexpr double kFixed = 40e3, kAround = 1.02;  // headers and trees; coarse levels, and what LMDB adds
+    sum.bytes = static_cast<std::uint64_t>(kFixed + bytes / samples * all * kAround);
+    sum.seconds = seconds / samples * all / job.budget.threads;
+  }
+  sum.notes = source.notes();
+  return sum;
+}
+
+IngestReport run(Job& job, const Source& source, Provenance provenance, PageWriter& writer) {
+  const RasterCache cache(job.budget.gdal_cache_bytes);
+  IngestReport report;
+  settle_tiles(job, writer, report);
+  Teller teller(job, 0);
+  teller.rest("levels above tiles", kTileShare);
+  std::vector<PageBytes> coarse;
+  const Totals totals = settle_coarse(job, writer, report, coarse);
+  if (totals.valid == 0) {
+    throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest",
+                                                       job.description.source_name, job.description.extent.samples()));
+  }
+  report.pages += coarse.size();
+  teller.rest("looking at the inputs again", 0.98);
+  job.files->require_unchanged([&] { teller.rest("looking at the inputs again", 0.98); });
+  for (std::size_t i = 0; i < source.inputs().size(); ++i) {
+    const InputFile& input = source.inputs()[i];
+    provenance.sources.push_back(
+        {input.name, input.driver, input.type, input.cols, input.rows, input.bytes, job.files->checksum(i)});
+  }
+  finish(job, writer, totals, coarse, std::move(provenance));
+  teller.rest("sealing", 0.99);
+  report.bytes = writer.finish();
+  teller.rest("done", 1);
+  report.description = job.description;
+  report.notes = source.notes();
+  if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);
+  for (std::string& doubt : source.doubts(report.description.minimum, report.description.maximum))
+    report.notes.push_back(std::move(doubt));
+  return report;
+}
+
+}  // namespace talus

@@ -1,0 +1,156 @@
+#include "ingest/work/left_work.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/page/page_codec.hpp"
+#include "engine/tile/tile_summary.hpp"
+#include "ingest/work/plan.hpp"
+#include "storage/page_store.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& what) { throw Failure(Cause::corrupt, what); }
+
+std::string name(PageId id) { return fmt::format("page {}/{} of band {}", id.x, id.y, id.band); }
+
+/// A page that some other one says is there.
+StoredPage require(const ReadTxn& txn, PageKey key, const std::string& what) {
+  const auto stored = txn.find(key);
+  if (!stored) refuse(what + " is missing");
+  return *stored;
+}
+
+class Check {
+ public:
+  Check(const ReadTxn& txn, const Description& d, const std::function<void()>& tell)
+      : txn_(txn), extent_(d.extent), bands_(band_count(d.extent)), distance_(d.step, d.metres_per_unit), tell_(tell) {}
+
+  void run() {
+    txn_.for_each(kHeaderTable, [&](std::uint64_t at) {
+      require(txn_, {kHeaderTable, at}, fmt::format("header {}", at));
+    });
+    std::uint64_t known[2] = {0, 0}, stored[2] = {0, 0};  // pages of bands 0 and 1: what records say, what is there
+    txn_.for_each(kRecordTable, [&](std::uint64_t at) { tile(at, known); });
+    for (int band = 0; band < kRecordTable; ++band) {
+      txn_.for_each(band, [&](std::uint64_t at) {
+        if (band < 2) {
+          ++stored[band];
+        } else {
+          static_cast<void>(decoded(page_at(band, at)));
+        }
+      });
+    }
+    for (const int band : {0, 1}) {
+      if (stored[band] != known[band])
+        refuse(fmt::format("{} pages of band {} are stored, and the tiles' records say {}", stored[band], band,
+                           known[band]));
+    }
+  }
+
+ private:
+  struct Found {
+    const Page& page;
+    std::uint32_t generation;
+  };
+  Found decoded(PageId id) {
+    const StoredPage stored = require(txn_, {id.band, curve_position(id)}, name(id));
+    return {decoder_.decode(id, extent_, bands_, distance_, stored.content), stored.generation};
+  }
+
+  void tile(std::uint64_t position, std::uint64_t* known) {
+    const PageId id = page_at(1, position);
+    const StoredPage record =
+        require(txn_, {kRecordTable, position}, fmt::format("the record of tile {}/{}", id.x, id.y));
+    const TileSummary summary = decode_tile_summary(record.content);
+    if (summary.entry.present != txn_.has({1, position}))
+      refuse(fmt::format("{}: the tile's record says something else of it", name(id)));
+    if (!summary.entry.present) return;
+    ++known[1];
+    const Found found = decoded(id);
+    if (found.generation != summary.entry.generation)
+      refuse(fmt::format("{}: is of another update than the tile's record", name(id)));
+    const auto children = found.page.children;
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      const PageId below = child_page(id, i);
+      if (children[i].present != txn_.has({below.band, curve_position(below)}))
+        refuse(fmt::format("{}: the page above says something else of it", name(below)));
+      if (!children[i].present) continue;
+      ++known[0];
+      if (decoded(below).generation != children[i].generation)
+        refuse(fmt::format("{}: is of another update than the page above it", name(below)));
+    }
+    tell_();
+  }
+
+  const ReadTxn& txn_;
+  GridRect extent_;
+  int bands_;
+  CodeDistance distance_;
+  const std::function<void()>& tell_;
+  PageDecoder decoder_;
+};
+
+/// Without "corrupt: FILE: " at its front.
+std::string words_of(const Failure& f, const fs::path& file) {
+  std::string words = f.what();
+  for (const std::string& front : {std::string("corrupt: "), file.string() + ": "}) {
+    if (words.starts_with(front)) words.erase(0, front.size());
+  }
+  return words;
+}
+
+}  // namespace
+
+LeftWork left_work_in(const fs::path& part) {
+  LeftWork work;
+  const auto damaged = [&](std::string how) {
+    work.kind = LeftWork::Kind::damaged;
+    work.damage = std::move(how);
+    return work;
+  };
+  try {
+    if (const auto findings = check_structure(part); !findings.empty()) return damaged(findings.front());
+    const ReadTxn txn(PageStore::open(part));
+    work.tiles = txn.summary(kRecordTable).pages;
+    const auto plan = txn.find({kHeaderTable, kPlanPosition});
+    if (!plan) {
+      if (work.tiles > 0) return damaged("it does not say what it is");
+      return work;
+    }
+    work.plan.assign(reinterpret_cast<const char*>(plan->content.data()), plan->content.size());
+    work.title = title_of(work.plan);
+    if (!work.plan.empty()) {
+      work.kind = is_plan_of_ingest(work.plan) ? LeftWork::Kind::ingest : LeftWork::Kind::update;
+      return work;
+    }
+    const auto made = txn.find({kHeaderTable, kProvenancePosition});
+    if (!made) return damaged("it does not say what it was made from");
+    work.made = decode_provenance(made->content);
+    const bool is_update = work.made->generation > 0;
+    work.kind = is_update ? LeftWork::Kind::update : LeftWork::Kind::finished;
+    if (is_update) work.title = "finished, and not published";
+  } catch (const Failure& f) {
+    if (f.cause() != Cause::corrupt && f.cause() != Cause::unsupported) throw;
+    return damaged(words_of(f, part));
+  }
+  return work;
+}
+
+void verify_left_work(const fs::path& part, const Description& description, const std::function<void()>& tell) {
+  try {
+    const ReadTxn txn(PageStore::open(part));
+    Check(txn, description, tell).run();
+  } catch (const Failure& f) {
+    if (f.cause() != Cause::corrupt) throw;
+    throw Failure(Cause::corrupt,
+                  fmt::format("{}: is damaged: {}. It cannot be resumed; start again with IngestOptions::overwrite",
+                              part.string(), words_of(f, part)),
+                  part);
+  }
+}
+
+}  // namespace talus

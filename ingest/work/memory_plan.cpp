@@ -1,0 +1,59 @@
+#include "ingest/work/memory_plan.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "ingest/work/panels.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+// Measured with tests/soak/ingest.sh: the program and its libraries; what one thread works in, its results
+// included; pages that wait for their transaction, here and in LMDB.
+constexpr std::uint64_t kProgram = 80 * kMiB, kThread = 56 * kMiB, kWriting = 56 * kMiB;
+
+/// Posts, errors and holds of every 64th sample.
+std::uint64_t coarse_bytes(GridRect extent) {
+  return static_cast<std::uint64_t>(extent.samples() / (kBlockSide * kBlockSide) * 48) + kMiB;
+}
+
+}  // namespace
+
+WorkingMemory budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code,
+                         std::uint64_t block_bytes) {
+  WorkingMemory budget;
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  budget.gdal_cache_bytes = std::clamp(memory_bytes / 8, 16 * kMiB, 256 * kMiB);
+  // One panel is worked on, the next is read, and what the two share is copied.
+  const auto needed = [&](unsigned crew, std::int32_t across) {
+    // GDAL holds a block as it was read and as samples, beside what its cache may keep.
+    return kProgram + kWriting + 2 * block_bytes + budget.gdal_cache_bytes + coarse_bytes(extent) + crew * kThread +
+           3 * window_bytes(across, bytes_a_code);
+  };
+  if (needed(1, 1) > memory_bytes) budget.gdal_cache_bytes = 16 * kMiB;
+  if (needed(1, 1) > memory_bytes) {
+    if (block_bytes > 64 * kMiB) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("a limit of {} bytes of memory: an input comes in blocks of {} MiB, each read as a whole, "
+                      "and needs {} MiB at least; or cut it into smaller ones: gdal_translate -co TILED=YES",
+                      memory_bytes, block_bytes / kMiB, needed(1, 1) / kMiB + 1));
+    }
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("a limit of {} bytes of memory: {} × {} samples need {} MiB at least", memory_bytes,
+                              extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
+  }
+  budget.threads = threads;
+  while (budget.threads > 1 && needed(budget.threads, 1) > memory_bytes) --budget.threads;
+  const GridRect tiles = tiles_of(extent);
+  const auto all = static_cast<std::int32_t>(tiles.cols());
+  while (budget.tiles_across < all && needed(budget.threads, budget.tiles_across + 1) <= memory_bytes)
+    ++budget.tiles_across;
+  return budget;
+}
+
+}  // namespace talus

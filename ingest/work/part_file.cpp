@@ -1,0 +1,322 @@
+#include "ingest/work/part_file.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "storage/page_store.hpp"
+#include "talus/failure.hpp"
+#include "talus/ingest.hpp"
+
+namespace talus {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& file, int error) {
+  const Cause cause = error == ENOSPC || error == EDQUOT ? Cause::full : error == ENOENT ? Cause::not_found : Cause::io;
+  throw Failure(cause, fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)), file);
+}
+
+/// A mistyped command must not replace somebody's raster: only files with a header of our kind, of whatever version,
+/// are overwritten.
+bool is_a_database(const fs::path& file) {
+  try {
+    return ReadTxn(PageStore::open(file)).has({kHeaderTable, 0});
+  } catch (const Failure&) {
+    return false;
+  }
+}
+
+/// Empty, or begun by LMDB: nothing else may be lost for the sake of a name.
+bool is_unfinished_database(int handle) {
+  std::array<unsigned char, 20> head{};
+  const ssize_t got = ::pread(handle, head.data(), head.size(), 0);
+  constexpr std::array<unsigned char, 4> kMagic{0xde, 0xc0, 0xef, 0xbe};
+  return got == 0 ||
+         (got == static_cast<ssize_t>(head.size()) && std::memcmp(&head[16], kMagic.data(), kMagic.size()) == 0);
+}
+
+bool is_same_file(const struct stat& a, const struct stat& b) { return a.st_dev == b.st_dev && a.st_ino == b.st_ino; }
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+/// The database may be made or replaced under this name.
+/// returns  what stands there now
+std::optional<FileState> require_replaceable(const fs::path& database, const fs::path& target, bool overwrite) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(target, ignored);
+  if (database.filename().empty() || fs::is_directory(status)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: a folder; a database is one file, name it", database.string()), database);
+  }
+  if (!fs::exists(status)) return std::nullopt;
+  if (!overwrite) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: exists already; replace it with IngestOptions::overwrite or choose another name",
+                              database.string()),
+                  database);
+  }
+  if (!fs::is_regular_file(status) || !is_a_database(target)) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{}: exists and is no sound Talus database; it is left alone, remove it or choose another name",
+                    database.string()),
+        database);
+  }
+  struct stat about {};
+  if (::stat(target.c_str(), &about) != 0) fail(database, errno);
+  const auto mode = about.st_mode & 07777u;
+  // Root may write everything: what the file itself says counts as well.
+  if ((mode & 0222u) == 0 || ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
+    throw Failure(Cause::io,
+                  fmt::format("{}: is write-protected (mode {:04o}); it is left alone. Allow writing to it first",
+                              database.string(), mode),
+                  database);
+  }
+  return state_of(target);
+}
+
+}  // namespace
+
+fs::path followed(const fs::path& name) {
+  fs::path at = name;
+  constexpr int kMostLinks = 40;  // as the system has it
+  for (int i = 0; i < kMostLinks; ++i) {
+    std::error_code error;
+    if (!fs::is_symlink(fs::symlink_status(at, error))) return at;
+    const fs::path to = fs::read_symlink(at, error);
+    if (error) throw Failure(Cause::io, fmt::format("{}: {}", at.string(), error.message()), name);
+    at = to.is_absolute() ? to : at.parent_path() / to;
+  }
+  throw Failure(Cause::invalid_argument, fmt::format("{}: symbolic links that lead in a circle", name.string()), name);
+}
+
+fs::path unfinished_file(const fs::path& database) { return followed(database).string() + ".part"; }
+
+PartFile::PartFile(fs::path database, bool overwrite, Left left)
+    : database_(std::move(database)), target_(followed(database_)), part_(unfinished_file(database_)) {
+  look_at_database(overwrite);  // before anything is made; once more when nobody else can change it
+  lock();
+  try {
+    look_at_database(overwrite);
+    look_at_left(left);
+    if (replaced_) take_owner_and_mode();
+  } catch (...) {
+    if (!keep_) ::unlink(part_.c_str());
+    ::close(handle_);
+    throw;
+  }
+}
+
+/// Another writer may publish or remove the file between open and lock: then this is no longer the one of that name.
+void PartFile::lock() {
+  constexpr int kTries = 1000;
+  for (int i = 0; i < kTries; ++i) {
+    handle_ = ::open(part_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
+    if (handle_ < 0) fail(part_, errno);
+    struct stat locked {
+    }, named{};
+    if (::fstat(handle_, &locked) != 0 || !S_ISREG(locked.st_mode)) {
+      ::close(handle_);
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("{}: is no file; the work needs this name, so move it away", part_.string()), part_);
+    }
+    if (::flock(handle_, LOCK_EX | LOCK_NB) != 0) {
+      ::close(handle_);
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: another ingest or update is at work on it; try again when it is done", part_.string()),
+          part_);
+    }
+    if (::stat(part_.c_str(), &named) == 0 && is_same_file(locked, named)) {
+      keep_ = true;  // until it is known that nothing in it is worth anything
+      if (::fstat(handle_, &locked) == 0 && locked.st_size == 0) keep_ = false;
+      return;
+    }
+    ::close(handle_);
+  }
+  throw Failure(Cause::io, fmt::format("{}: is replaced again and again by other programs", part_.string()), part_);
+}
+
+void PartFile::look_at_database(bool overwrite) { replaced_ = require_replaceable(database_, target_, overwrite); }
+
+void PartFile::look_at_left(Left left) {
+  const bool is_ours = is_unfinished_database(handle_);
+  if (!is_ours && left == Left::resume) {
+    throw Failure(Cause::corrupt,
+                  fmt::format("{}: is damaged, or is not what an ingest left; move it away and start again without "
+                              "IngestOptions::resume",
+                              part_.string()),
+                  part_);
+  }
+  if (!is_ours) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{}: exists and is not what an ingest left behind; the work needs this name, so move it away",
+                    part_.string()),
+        part_);
+  }
+  const bool is_empty = !keep_;
+  if (!is_empty && left != Left::replace) {
+    const LeftWork work = left_work_in(part_);
+    if (left == Left::resume && work.kind == LeftWork::Kind::damaged) {
+      throw Failure(Cause::corrupt,
+                    fmt::format("{}: is damaged: {}. It cannot be resumed; start again with IngestOptions::overwrite",
+                                part_.string(), work.damage),
+                    part_);
+    }
+    if (left == Left::resume && work.kind == LeftWork::Kind::update) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: is what an interrupted update left ({}); no ingest goes on with it. The database is as "
+                      "it was before: leave out IngestOptions::resume",
+                      part_.string(), work.title),
+          part_);
+    }
+    if (left == Left::resume) {
+      left_ = work;
+      return;
+    }
+    const bool is_worthless = work.kind == LeftWork::Kind::update && replaced_;
+    if (work.tiles > 0 && !is_worthless) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: holds an interrupted ingest; go on with it by IngestOptions::resume, or start anew by "
+                      "IngestOptions::overwrite",
+                      part_.string()),
+          part_);
+    }
+  }
+  if (::ftruncate(handle_, 0) != 0) fail(part_, errno);
+  keep_ = false;
+}
+
+void PartFile::take_owner_and_mode() const {
+  struct stat theirs {
+  }, ours{};
+  if (::stat(target_.c_str(), &theirs) != 0 || ::fstat(handle_, &ours) != 0) fail(database_, errno);
+  const bool same_owner = theirs.st_uid == ours.st_uid && theirs.st_gid == ours.st_gid;
+  if (!same_owner && ::fchown(handle_, theirs.st_uid, theirs.st_gid) != 0) {
+    throw Failure(
+        Cause::io,
+        fmt::format("{}: belongs to user {}, group {}, and only they or root can replace it and keep that; it is "
+                    "left alone",
+                    database_.string(), theirs.st_uid, theirs.st_gid),
+        database_);
+  }
+  if (::fchmod(handle_, theirs.st_mode & 07777u) != 0) fail(part_, errno);
+}
+
+PartFile::~PartFile() {
+  if (!keep_) ::unlink(part_.c_str());
+  ::close(handle_);
+}
+
+void PartFile::copy_database() {
+  const int from = ::open(target_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (from < 0) fail(database_, errno);
+  constexpr std::size_t kAtOnce = std::size_t{64} << 20;
+  ssize_t copied = 0;
+  while ((copied = ::copy_file_range(from, nullptr, handle_, nullptr, kAtOnce, 0)) > 0) {
+  }
+  if (copied < 0 && (errno == EXDEV || errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP)) {
+    std::vector<char> buffer(std::size_t{1} << 20);
+    while ((copied = ::read(from, buffer.data(), buffer.size())) > 0) {
+      for (ssize_t put = 0; put < copied;) {
+        const ssize_t now = ::write(handle_, buffer.data() + put, static_cast<std::size_t>(copied - put));
+        if (now < 0 && errno == EINTR) continue;
+        if (now < 0) {
+          const int error = errno;
+          ::close(from);
+          fail(part_, error);
+        }
+        put += now;
+      }
+    }
+  }
+  const int error = errno;
+  ::close(from);
+  if (copied < 0) fail(part_, error);
+  require_database_unchanged();
+}
+
+void PartFile::require_database_unchanged() const {
+  std::optional<FileState> now;
+  try {
+    now = state_of(target_);
+  } catch (const Failure& f) {
+    if (f.cause() != Cause::not_found) throw;
+  }
+  if (now && replaced_) {
+    now->changed_ns = replaced_->changed_ns;  // a new link or mode is no new content
+  }
+  if (now == replaced_) return;
+  const char* what = !replaced_ ? "was made" : !now ? "was removed" : "was replaced or changed";
+  throw Failure(
+      Cause::io,
+      fmt::format("{}: {} by another program meanwhile; nothing was changed. Look at it and run the command again",
+                  database_.string(), what),
+      database_);
+}
+
+void PartFile::publish() {
+  if (::fsync(handle_) != 0) fail(part_, errno);
+  struct stat locked {
+  }, named{};
+  if (::fstat(handle_, &locked) != 0 || ::stat(part_.c_str(), &named) != 0 || !is_same_file(locked, named)) {
+    keep_ = true;  // it is not this one's to remove
+    throw Failure(
+        Cause::io,
+        fmt::format("{}: was removed or replaced by another program meanwhile; nothing was changed", part_.string()),
+        part_);
+  }
+  require_database_unchanged();
+  int renamed = -1;
+  if (!replaced_) {  // what has come there since is not replaced
+    renamed = ::renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE);
+    if (renamed != 0 && errno == EEXIST) require_database_unchanged();
+  }
+  if (renamed != 0 && ::rename(part_.c_str(), target_.c_str()) != 0) fail(database_, errno);
+  keep_ = true;
+  if (const int handle = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); handle >= 0) {
+    ::fsync(handle);  // the new name, too, survives a power cut
+    ::close(handle);
+  }
+}
+
+void require_target(const fs::path& database, bool overwrite, std::uint64_t bytes) {
+  const fs::path target = followed(database), part = unfinished_file(database), folder = folder_of(target);
+  static_cast<void>(require_replaceable(database, target, overwrite));
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw Failure(Cause::not_found,
+                  fmt::format("{}: there is no folder {}; make it first", database.string(), folder.string()), folder);
+  }
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    throw Failure(
+        Cause::io,
+        fmt::format("{}: nothing can be written in {}: {}", database.string(), folder.string(), std::strerror(errno)),
+        folder);
+  }
+  const fs::space_info space = fs::space(folder, error);
+  std::error_code none;
+  const auto left = fs::file_size(part, none);  // is used again or replaced
+  const std::uint64_t room = error ? bytes : space.available + (none ? 0 : left);
+  if (room < bytes) {
+    throw Failure(Cause::full,
+                  fmt::format("{}: about {} MB are needed and {} MB are free in {}; free some space or write elsewhere",
+                              database.string(), (bytes + 999'999) / 1'000'000, room / 1'000'000, folder.string()),
+                  folder);
+  }
+}
+
+}  // namespace talus

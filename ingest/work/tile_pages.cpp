@@ -1,0 +1,397 @@
+#include "ingest/work/tile_pages.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <variant>
+
+namespace talus {
+namespace {
+
+using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
+
+/// Triangles that leave the extent are never in a mesh; their bits are 1, so that pages of data only need none.
+std::uint8_t leaving(GridRect extent, GridPoint p) {
+  const std::int32_t s = spacing(p);
+  if (s == kRootSpacing) return 15;
+  if (p.col - s >= extent.first.col && p.col + s <= extent.last.col && p.row - s >= extent.first.row &&
+      p.row + s <= extent.last.row) {
+    return 0;
+  }
+  std::uint8_t bits = 0;
+  const auto triangles = apex_triangles(p);
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!extent.contains(triangles[i].left) || !extent.contains(triangles[i].right))
+      bits = static_cast<std::uint8_t>(bits | 1u << i);
+  }
+  return bits;
+}
+
+/// Heights and voids are left to the caller.
+void begin_page(Page& page, PageId id, const PageMaking& making, bool voids) {
+  page.id = id;
+  page.bands = making.bands;
+  page.extent = making.extent;
+  page.grid = page_grid(id, making.extent);
+  page.heights.resize(page.grid.size());
+  page.errors.assign(page.grid.size(), 0);
+  page.valid.resize(voids ? page.grid.size() : 0);
+  page.covers.clear();
+  page.children.clear();
+}
+
+/// Errors and triangles with data of the page's own vertices, by error(vertex, index) and covers(vertex, index).
+/// Returns what the page above must know.
+template <class Error, class Covers>
+ChildEntry complete(Page& page, const PageMaking& making, bool voids, Error&& error, Covers&& covers) {
+  if (std::find(page.valid.begin(), page.valid.end(), 0) == page.valid.end()) page.valid.clear();
+  ChildEntry entry = range_of(page, making.step);
+  entry.present = entry.lowest <= entry.highest || page.id.band == making.bands - 1;  // a query starts at the coarsest
+  if (voids) page.covers.assign(page.grid.size(), 0);
+  bool covers_differ = false;
+  const std::int32_t reach = band_spacing(page.id.band + 1);
+  const auto own_spacing = static_cast<std::uint32_t>(reach) - 1;
+  const GridRect square = page_square(page.id);
+  const bool may_leave = !making.extent.contains({square.first.col - reach, square.first.row - reach}) ||
+                         !making.extent.contains({square.last.col + reach, square.last.row + reach});
+  const bool coarsest = page.id.band == making.bands - 1;
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      const GridPoint p = page.grid.at(col, row);
+      if (!coarsest && (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) == 0) continue;  // of a band above
+      const std::size_t i = page.index(col, row);
+      page.errors[i] = error(p, i);
+      entry.largest = std::max(entry.largest, page.errors[i]);
+      if (!voids) continue;
+      const std::uint8_t with_data = covers(p, i);
+      entry.present = entry.present || with_data != 0 || page.errors[i] != 0;
+      page.covers[i] = static_cast<std::uint8_t>(with_data | (may_leave ? leaving(making.extent, p) : 0));
+      covers_differ = covers_differ || page.covers[i] != 15;
+    }
+  }
+  if (!covers_differ && page.valid.empty()) page.covers.clear();
+  return entry;
+}
+
+void with_children(Page& page, ChildEntry& entry, const Entries& below) {
+  page.children.resize(static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross);
+  for (std::size_t i = 0; i < page.children.size(); ++i) {
+    const auto found = below.find(curve_position(child_page(page.id, i)));
+    if (found == below.end() || !found->second.present) continue;
+    page.children[i] = found->second;
+    entry = joined(entry, found->second);
+  }
+}
+
+/// A page without the heights that the finest answer does not need.
+Page with_kept_heights(const Page& page, const PageMaking& making) {
+  Page kept = page;
+  kept.drops_heights = true;
+  const ErrorCode dropped = largest_code_within(making.kept_above);
+  for (ErrorCode& error : kept.errors) error = error > dropped ? error : ErrorCode{0};
+  return kept;
+}
+
+ErrorCode largest_error(const Page& page) {
+  ErrorCode largest = *std::max_element(page.errors.begin(), page.errors.end());
+  for (const ChildEntry& child : page.children) largest = std::max(largest, child.largest);
+  return largest;
+}
+
+PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, const PageMaking& making) {
+  PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance), 0};
+  // errors that no longer follow from heights may take more than those heights did
+  if (making.kept_above > 0 && page.grid.size() > 0) {
+    const Page kept = with_kept_heights(page, making);
+    std::vector<std::byte> content = encoder.encode(kept, making.distance);
+    if (content.size() < made.content.size()) {
+      made.content = std::move(content);
+      entry.largest = largest_error(kept);
+    }
+  }
+  made.generation = making.generation(made.key, made.content);
+  entry.generation = made.generation;
+  return made;
+}
+
+struct ValidRange {
+  std::uint64_t samples;
+  double lowest, highest;  // lowest > highest: no sample is data
+};
+ValidRange valid_range(const Page& page) {
+  std::uint64_t samples = 0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (std::size_t i = 0; i < page.heights.size(); ++i) {
+    if (!page.valid.empty() && !page.valid[i]) continue;
+    const double h = page.heights[i];
+    ++samples;
+    lowest = h < lowest ? h : lowest;
+    highest = h > highest ? h : highest;
+  }
+  return {samples, lowest, highest};
+}
+
+/// Counts by error code, turned into counts above each rung.
+class Histogram {
+ public:
+  /// Of a page of band 0 or 1, which are never the coarsest.
+  void count(const Page& page) {
+    const auto own_spacing = static_cast<std::uint32_t>(band_spacing(page.id.band + 1)) - 1;
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        const bool is_own = (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) != 0;
+        by_code_[page.errors[page.index(col, row)]] += is_own ? 1 : 0;
+      }
+    }
+  }
+  [[nodiscard]] ErrorHistogram above_rungs() const {
+    ErrorHistogram above{};
+    for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
+      for (std::size_t code = largest_code_within(error_rung(rung)) + 1u; code < by_code_.size(); ++code)
+        above[rung] += by_code_[code];
+    }
+    return above;
+  }
+
+ private:
+  std::vector<std::uint32_t> by_code_ = std::vector<std::uint32_t>(kAlwaysSelected + 1u);
+};
+
+/// Every `step`-th of a row.
+template <class From, class To>
+void take(const From* from, std::size_t count, std::size_t step, To* to) {
+  if (step == 1) {
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<To>(from[i]);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<To>(from[i * step]);
+  }
+}
+
+class TilePacker {
+ public:
+  TilePacker(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making,
+             TilePacking& memory)
+      : id_(id),
+        tile_(tile),
+        valid_(valid),
+        making_(making),
+        window_(tile_window(id, making.extent)),
+        encoder_(memory.encoder),
+        page_(memory.page) {}
+
+  TilePages run() {
+    if (tile_.all_void) {
+      hold_voids();
+      return std::move(made_);
+    }
+    made_.summary.record = tile_.record;
+    const PageId parent{1, id_.x, id_.y};
+    Entries below;
+    // The children of a page are one run of the curve: 64 positions.
+    std::vector<PageId> children;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
+      children.push_back(child_page(parent, i));
+    std::sort(children.begin(), children.end(),
+              [](PageId a, PageId b) { return curve_position(a) < curve_position(b); });
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    for (const PageId id : children) {
+      if (page_grid(id, making_.extent).size() == 0 || is_far_from_data(id)) continue;
+      const Page& page = begin(id);
+      const auto [valid, low, high] = valid_range(page);
+      made_.summary.valid_samples += valid;
+      lowest = std::min(lowest, low);
+      highest = std::max(highest, high);
+      ChildEntry entry = finish();
+      if (!entry.present) continue;
+      histogram_.count(page);
+      made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
+      below.emplace(curve_position(id), entry);
+    }
+    if (made_.summary.valid_samples > 0) {
+      const double a = making_.step.value(lowest), b = making_.step.value(highest);
+      made_.summary.lowest = std::min(a, b);  // a negative scale turns them round
+      made_.summary.highest = std::max(a, b);
+    }
+    const Page& page = begin(parent);
+    ChildEntry entry = finish();
+    with_children(page_, entry, below);
+    entry.present = entry.present || !below.empty();
+    if (entry.present) {
+      histogram_.count(page);
+      made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
+    }
+    made_.summary.entry = entry;
+    made_.summary.errors = histogram_.above_rungs();
+    keep_posts(page);
+    return std::move(made_);
+  }
+
+ private:
+  /// Without any data, all halves inside the extent are void, and all vertices without a fill.
+  void hold_voids() {
+    TileRecord& record = made_.summary.record;
+    const GridPoint corner{id_.x * kTileSide, id_.y * kTileSide};
+    const GridRect tile{corner, {corner.col + kTileSide, corner.row + kTileSide}};
+    const auto voids_of = [&](GridPoint p) {
+      std::uint8_t holds = 0;
+      for (const int side : {0, 1}) {
+        const HalfDiamond t = half_diamond(p, side);
+        if (inside(t, tile) && inside(t, making_.extent)) holds |= static_cast<std::uint8_t>(kVoid << (2 * side));
+      }
+      return holds;
+    };
+    for (std::int32_t y = 0; y < kTileBlocks; ++y) {
+      for (std::int32_t x = 0; x < kTileBlocks; ++x) {
+        record.blocks[static_cast<std::size_t>(y * kTileBlocks + x)].holds =
+            voids_of({corner.col + x * kBlockSide + kBlockSide / 2, corner.row + y * kBlockSide + kBlockSide / 2});
+      }
+    }
+    for (std::int32_t y = 0; y < TileRecord::kAcross; ++y) {
+      for (std::int32_t x = 0; x < TileRecord::kAcross; ++x) {
+        const GridPoint p{corner.col + x * kBlockSide, corner.row + y * kBlockSide};
+        if (!making_.extent.contains(p)) continue;
+        std::uint8_t& holds = record.holds[static_cast<std::size_t>(y * TileRecord::kAcross + x)];
+        holds = TileRecord::kNoFill;
+        if (spacing(p) < kTileSide) holds |= voids_of(p);
+      }
+    }
+  }
+
+  /// A page with its samples.
+  const Page& begin(PageId id) {
+    Page& page = page_;
+    begin_page(page, id, making_, !valid_.empty());
+    const std::size_t step = std::size_t{1} << page.grid.shift;
+    if (page.grid.size() == 0) return page;
+    std::visit(
+        [&](const auto& codes) {
+          for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+            const std::size_t from = index(page.grid.at(0, row)), to = page.index(0, row);
+            const auto cols = static_cast<std::size_t>(page.grid.cols);
+            take(&codes[from], cols, step, &page.heights[to]);
+            if (!valid_.empty()) take(&valid_[from], cols, step, &page.valid[to]);
+          }
+        },
+        tile_.heights);
+    return page;
+  }
+
+  /// Whether a sample that is data, or one that is void, lies in a page's square or `reach` cells around it.
+  [[nodiscard]] bool has_near(PageId id, std::int32_t reach, std::uint8_t data) const {
+    const GridRect square = page_square(id);
+    const std::int32_t first = std::max(square.first.col - reach, window_.first.col);
+    const std::int32_t last = std::min(square.last.col + reach, window_.last.col);
+    for (std::int32_t row = std::max(square.first.row - reach, window_.first.row);
+         row <= std::min(square.last.row + reach, window_.last.row); ++row) {
+      const auto start = valid_.begin() + static_cast<std::ptrdiff_t>(index({first, row}));
+      const auto end = start + (last - first + 1);
+      if (std::find(start, end, data) != end) return true;
+    }
+    return false;
+  }
+  /// Where a triangle at one of the page's own vertices can reach: twice their largest spacing.
+  [[nodiscard]] bool has_voids_near(PageId id) const {
+    return tile_.voids.has_value() && has_near(id, band_spacing(id.band + 1), 0);
+  }
+  /// What a vertex of band 0 depends on lies less than three spacings away.
+  [[nodiscard]] bool is_far_from_data(PageId id) const {
+    return !valid_.empty() && !has_near(id, 2 * band_spacing(1), 1);
+  }
+
+  [[nodiscard]] ChildEntry finish() {
+    const bool voids = has_voids_near(page_.id);
+    take_errors();
+    return complete(
+        page_, making_, voids, [&](GridPoint, std::size_t i) { return page_.errors[i]; },
+        [&](GridPoint p, std::size_t) { return tile_.voids->apex_triangles_with_data(p); });
+  }
+
+  /// Level by level, rows at a time: a level's rows have zeros where coarser vertices stand, which come later.
+  void take_errors() {
+    const PageGrid& grid = page_.grid;
+    for (int shift = grid.shift; shift < grid.shift + kBandLevels; ++shift) {
+      const auto level = tile_.errors.units(shift);
+      const int finer = shift - grid.shift;  // a vertex of the level is one of the page's of that many levels below
+      const std::int32_t step = 1 << finer;
+      const GridPoint first{(grid.first.col + step - 1) >> finer, (grid.first.row + step - 1) >> finer};
+      const GridPoint last{(grid.first.col + grid.cols - 1) >> finer, (grid.first.row + grid.rows - 1) >> finer};
+      if (first.col > last.col) continue;
+      for (std::int32_t row = first.row; row <= last.row; ++row) {
+        const ErrorCode* from = &level.at(first.col, row);
+        ErrorCode* to = &page_.errors[page_.index(first.col * step - grid.first.col, row * step - grid.first.row)];
+        for (std::int32_t i = 0; i <= last.col - first.col; ++i) to[i * step] = from[i];
+      }
+    }
+  }
+
+  /// Every 64th sample, out of the page of band 1, which has every 8th.
+  void keep_posts(const Page& page) {
+    constexpr std::int32_t kStep = kBlockSide >> band_shift(1);
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const std::int32_t x = (page.grid.first.col + col) & (kPageSide - 1);
+        const std::int32_t y = (page.grid.first.row + row) & (kPageSide - 1);
+        if (x % kStep != 0 || y % kStep != 0) continue;
+        const auto post = static_cast<std::size_t>(y / kStep * kTileBlocks + x / kStep);
+        made_.summary.posts[post] = page.heights[page.index(col, row)];
+        made_.summary.post_valid[post] = page.valid.empty() ? 1 : page.valid[page.index(col, row)];
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t index(GridPoint p) const {
+    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() +
+                                    (std::int64_t{p.col} - window_.first.col));
+  }
+
+  TileId id_;
+  const TileErrors& tile_;
+  std::span<const std::uint8_t> valid_;
+  const PageMaking& making_;
+  GridRect window_;
+  TilePages made_;
+  Histogram histogram_;
+  PageEncoder& encoder_;
+  Page& page_;
+};
+
+}  // namespace
+
+TilePages pack_tile(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making,
+                    TilePacking& memory) {
+  return TilePacker(id, tile, valid, making, memory).run();
+}
+
+void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& making,
+                 const std::function<void(PageBytes)>& take) {
+  const bool voids = levels.has_voids();
+  PageEncoder encoder;
+  Page page;
+  for (int band = kFewestBands - 1; band < making.bands; ++band) {
+    Entries above;
+    for (const PageId id : pages_of_band(band, making.extent)) {
+      begin_page(page, id, making, voids);
+      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+          const std::size_t i = page.index(col, row);
+          page.heights[i] = levels.height(page.grid.at(col, row));
+          if (voids) page.valid[i] = levels.is_valid(page.grid.at(col, row)) ? 1 : 0;
+        }
+      }
+      ChildEntry entry = complete(
+          page, making, voids, [&](GridPoint p, std::size_t) { return levels.error(p); },
+          [&](GridPoint p, std::size_t) {
+            return height_in_tree(p) >= levels.root_height() ? std::uint8_t{15} : levels.apex_triangles_with_data(p);
+          });
+      with_children(page, entry, entries);
+      entry.present = entry.present || std::any_of(page.children.begin(), page.children.end(),
+                                                   [](const ChildEntry& child) { return child.present; });
+      if (!entry.present) continue;
+      take(bytes_of(encoder, page, entry, making));
+      above.emplace(curve_position(id), entry);
+    }
+    entries = std::move(above);
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,166 @@
+#include "query/bounded/bounded_heights.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "engine/error/height_field.hpp"
+#include "query/bounded/splitter.hpp"
+
+namespace talus {
+namespace {
+
+[[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
+
+double step_metres(const Description& d) { return std::abs(d.step.scale) / d.step.divisor * d.metres_per_unit; }
+
+/// How many height steps a quantum is, if a whole number.
+std::optional<double> steps_in(const Description& d, Metres quantum) {
+  if (!d.step.integer || d.step.offset != 0) return std::nullopt;
+  const double steps = quantum.value / step_metres(d), whole = std::nearbyint(steps);
+  if (whole < 1 || std::abs(steps - whole) > 1e-9 * whole) return std::nullopt;
+  return whole;
+}
+
+void require_quantum(const Description& d, Metres quantum) {
+  if (!d.has_vertical_bound()) {
+    refuse(fmt::format(
+        "rounded heights need errors that bound distances along the vertical, this database has {} {} ones: ask "
+        "for exact heights",
+        name_of(d.error_metric), name_of(d.error_kind)));
+  }
+  if (!(quantum.value > 0) || !std::isfinite(quantum.value))
+    refuse(fmt::format("quantum {} m: expected a number of metres above 0", quantum.value));
+  // Larger multiples are no whole numbers in doubles, nor in streams.
+  constexpr double kMostQuanta = 1e15;
+  const double largest_m = std::max(std::abs(d.minimum), std::abs(d.maximum)) * d.metres_per_unit;
+  if (largest_m / kMostQuanta > quantum.value) {
+    refuse(fmt::format("quantum {} m: heights reach {} m, which is more than {} multiples of it: expected a larger one",
+                       quantum.value, largest_m, kMostQuanta));
+  }
+}
+
+/// Nor may it cost more than is left of the tolerance.
+void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
+  require_quantum(d, quantum);
+  const double off = rounding_of(d, quantum);
+  if (off > tolerance.value - d.lossy_metres) {
+    const std::string before =
+        d.lossy_metres > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy_metres) : "";
+    refuse(fmt::format(
+        "multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m; expected a smaller "
+        "quantum or a larger tolerance",
+        quantum.value, off, before, tolerance.value));
+  }
+}
+
+/// The same vertices at rounded heights; what it costs is added to all that is said of errors.
+void round_heights(RestrictedQuadtree& q, const Description& d, Metres quantum) {
+  const Rounding rounded(d, quantum);
+  const double off = rounding_of(d, quantum) + (rounded.is_exact() ? 0 : kRoundingMargin);
+  for (double& h : q.heights) h = rounded(h);
+  q.bound = Metres{q.bound.value + off};
+  for (double& error : q.level_errors) error = error > 0 ? error + off : 0;
+  q.origin.quantum = quantum;
+}
+
+Answer rounded_range(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
+  const Description& d = now.description();
+  Answer answer = now.range(region, Metres{tolerance.value - rounding_of(d, quantum)});
+  answer.quadtree.tolerance = tolerance;
+  round_heights(answer.quadtree, d, quantum);
+  return answer;
+}
+
+/// What is said of an answer whose corners may lie off the source's heights by `off` metres.
+void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off) {
+  q.tolerance = tolerance;
+  q.origin.quantum = quantum;
+  for (double& error : q.level_errors) error = error > 0 ? error + off : 0;
+}
+
+void require_some_tolerance(const Description& d, Metres tolerance, const char* heights) {
+  if (tolerance.value == 0 || !std::isfinite(tolerance.value))
+    refuse(fmt::format("{} heights at a tolerance of {} m: expected one above 0 and finite", heights, tolerance.value));
+  if (tolerance.value <= d.lossy_metres) {
+    refuse(fmt::format(
+        "{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already; expected more, or "
+        "exact heights",
+        heights, tolerance.value, d.lossy_metres));
+  }
+}
+
+}  // namespace
+
+double rounding_of(const Description& d, Metres quantum) {
+  if (const auto steps = steps_in(d, quantum)) return std::floor(*steps / 2) * step_metres(d);
+  return quantum.value / 2;
+}
+
+Metres quantum_for(const Description& d, Metres tolerance) {
+  if (!d.step.integer || d.step.offset != 0) return tolerance;
+  double steps = std::max(1.0, std::floor(tolerance.value / step_metres(d)));
+  if (std::fmod(steps, 2) == 0) ++steps;  // rounds no farther
+  return Metres{steps * step_metres(d)};
+}
+
+Metres dense_quantum(const Description& d, Metres tolerance) {
+  const double left = std::max(0.0, tolerance.value - std::max(d.lossy_metres, d.finest_tolerance));
+  if (!d.step.integer || d.step.offset != 0) return Metres{2 * left};
+  return Metres{(2 * std::floor(left / step_metres(d)) + 1) * step_metres(d)};
+}
+
+Answer quantised_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
+  require_quantum(now.description(), tolerance, quantum);
+  return rounded_range(now, region, tolerance, quantum);
+}
+
+Increment quantised_increment(const Snapshot& now, GridRect region, Metres from, Metres to, Metres quantum) {
+  const Description& d = now.description();
+  require_quantum(d, to, quantum);
+  const double off = rounding_of(d, quantum);
+  Increment increment = now.increment(region, Metres{from.value - off}, Metres{to.value - off});
+  increment.from = from;
+  increment.added.tolerance = to;
+  round_heights(increment.added, d, quantum);
+  return increment;
+}
+
+Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance) {
+  if (tolerance.value == 0 || !std::isfinite(tolerance.value))
+    refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", tolerance.value));
+  const Metres quantum = dense_quantum(now.description(), tolerance);
+  if (!(quantum.value > 0)) return now.range(region, tolerance);
+  require_quantum(now.description(), quantum);
+  return rounded_range(now, region, tolerance, quantum);
+}
+
+Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
+  const Description& d = now.description();
+  if (quantum.value == 0) quantum = quantum_for(d, tolerance);
+  require_some_tolerance(d, tolerance, "bounded");
+  require_quantum(d, tolerance, quantum);
+  Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::rounded);
+  RestrictedQuadtree& q = answer.quadtree;
+  if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return rounded_range(now, region, tolerance, quantum);
+  finish(q, tolerance, quantum, rounding_of(d, quantum));
+  return answer;
+}
+
+Answer fitted_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
+  const Description& d = now.description();
+  require_some_tolerance(d, tolerance, "fitted");
+  // A finer quantum needs fewer vertices and more bits for each: see docs/accuracy.md.
+  if (quantum.value == 0) quantum = Metres{(tolerance.value - d.lossy_metres) / 2};
+  require_quantum(d, tolerance, quantum);
+  Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::fitted);
+  RestrictedQuadtree& q = answer.quadtree;
+  if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return bounded_answer(now, region, tolerance, quantum);
+  finish(q, tolerance, quantum, tolerance.value);
+  return answer;
+}
+
+}  // namespace talus

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/stream/stream_codec.hpp"
+#include "engine/stream/stream_header.hpp"
+#include "query/export/output_file.hpp"
+#include "talus/failure.hpp"
+#include "talus/stream.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::uintmax_t kFirstBytes = 4096;  // enough to see that a file is something else
+
+std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
+  std::error_code code;
+  const std::filesystem::file_status there = std::filesystem::status(file, code);
+  if (!std::filesystem::exists(there)) {
+    throw Failure(code && code != std::errc::no_such_file_or_directory ? Cause::io : Cause::not_found,
+                  fmt::format("cannot read {}: {}", file.string(), code ? code.message() : "there is no such file"),
+                  file);
+  }
+  if (!std::filesystem::is_regular_file(there)) {
+    throw Failure(
+        Cause::io,
+        fmt::format("cannot read {}: it is {}", file.string(),
+                    std::filesystem::is_directory(there) ? "a folder" : "a device, a pipe or a socket, not a file"),
+        file);
+  }
+  std::ifstream in(file, std::ios::binary);
+  std::vector<std::byte> bytes(std::min(kFirstBytes, std::filesystem::file_size(file)));
+  const auto read = [&](std::size_t from) {
+    in.read(reinterpret_cast<char*>(bytes.data() + from), static_cast<std::streamsize>(bytes.size() - from));
+    if (!in) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)), file);
+  };
+  read(0);
+  if (!begins_as_stream(bytes)) return bytes;  // what it is instead does not matter, however large
+  const std::size_t first = bytes.size();
+  bytes.resize(std::filesystem::file_size(file));
+  read(first);
+  return bytes;
+}
+
+}  // namespace
+
+bool is_stream_file(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".rqt";
+}
+
+void write_stream(const Stream& stream, const std::filesystem::path& file, const StreamOptions& options,
+                  const RestrictedQuadtree* base) {
+  if (!is_stream_file(file)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("cannot write a restricted quadtree to {}: the name must end in .rqt", file.string()),
+                  file);
+  }
+  const std::vector<std::byte> bytes = encode(stream, options, base);
+  OutputFile out{file};
+  out.write(bytes.data(), bytes.size());
+  out.commit();
+}
+
+namespace {
+
+/// What work(bytes) makes of a file's bytes; what it throws names the file.
+template <class Work>
+auto of_file(const std::filesystem::path& file, Work&& work) {
+  const std::vector<std::byte> bytes = bytes_of(file);
+  try {
+    return work(bytes);
+  } catch (const Failure& f) {
+    const std::string sentence = f.what(), kind = "corrupt: ";
+    throw Failure(f.cause(),
+                  sentence.starts_with(kind)
+                      ? fmt::format("{}{}: {}", kind, file.string(), sentence.substr(kind.size()))
+                      : fmt::format("{}: {}", file.string(), sentence),
+                  file);
+  }
+}
+
+/// What a file of so many bytes may take.
+StreamLimits limits_of(StreamLimits limits, std::uint64_t bytes) {
+  constexpr std::uint64_t kAnyMask = std::uint64_t{64} << 20, kAnyVertices = 1'000'000;
+  const auto times = [](std::uint64_t a, std::uint64_t b) {
+    return b != 0 && a > ~std::uint64_t{0} / b ? ~std::uint64_t{0} : a * b;
+  };
+  limits.mask_bytes = std::min(limits.mask_bytes, std::max(kAnyMask, times(limits.mask_bytes_a_byte, bytes)));
+  limits.vertices = std::min(limits.vertices, std::max(kAnyVertices, times(limits.vertices_a_byte, bytes)));
+  return limits;
+}
+
+}  // namespace
+
+Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits, const RestrictedQuadtree* base,
+                   int threads) {
+  return of_file(file, [&](std::span<const std::byte> bytes) {
+    return decode_stream(bytes, base != nullptr ? limits : limits_of(limits, bytes.size()), base, threads);
+  });
+}
+
+StreamInfo read_stream_info(const std::filesystem::path& file, const StreamLimits& limits) {
+  return of_file(file, [&](std::span<const std::byte> bytes) { return stream_info(bytes, limits); });
+}
+
+}  // namespace talus

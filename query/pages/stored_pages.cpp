@@ -1,0 +1,165 @@
+#include "query/pages/stored_pages.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "query/geo/ground.hpp"
+#include "query/geo/longitude.hpp"
+#include "query/pages/extent_border.hpp"
+#include "query/pages/stopwatch.hpp"
+#include "storage/checksum.hpp"
+
+namespace talus {
+
+struct StoredPages::Lazy {
+  std::once_flag once;
+  std::optional<ExtentBorder> border;
+  std::once_flag turn_once;
+  double turn = 0;
+  std::once_flag identity_once;
+  Identity identity;
+};
+
+// The manifest alone would not do: two rasters may share all that it says. The file's seal would be another where the
+// same pages lie elsewhere in the file, and stands at a path that may be another file's by now.
+Identity StoredPages::identity() const {
+  std::call_once(lazy_->identity_once, [&] {
+    std::vector<std::byte> said;
+    for (const std::uint64_t position : {kManifestPosition, kProvenancePosition}) {
+      if (const auto page = txn_.find({kHeaderTable, position}))
+        said.insert(said.end(), page->content.begin(), page->content.end());
+    }
+    const std::uint64_t digest = page_checksum({kHeaderTable, kManifestPosition}, manifest_.generation, said);
+    lazy_->identity = {std::max<std::uint64_t>(digest, 1), manifest_.generation};
+  });
+  return lazy_->identity;
+}
+
+const ExtentBorder& StoredPages::extent_border() const {
+  std::call_once(lazy_->once, [&] { lazy_->border.emplace(manifest_.description.extent); });
+  return *lazy_->border;
+}
+
+Longitudes StoredPages::longitudes() const {
+  std::call_once(lazy_->turn_once, [&] { lazy_->turn = Ground(manifest_.description.crs_wkt).full_turn(); });
+  return {lazy_->turn, manifest_.description};
+}
+
+StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache)
+    : txn_(store), cache_(std::move(cache)), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
+  const auto header = txn_.find({kHeaderTable, kManifestPosition});
+  if (!header)
+    throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()), file_);
+  header_bytes_ = header->content.size() + kPagePrefixBytes;
+  try {
+    manifest_ = decode_manifest(header->content);
+  } catch (const Failure& f) {
+    throw Failure(f.cause(), fmt::format("{}: {}", file_.string(), f.what()), file_);
+  }
+  distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
+}
+
+namespace {
+
+/// Null where a cost is not told by band.
+BandCost* band_in(QueryCost& cost, PageId id) {
+  const auto band = static_cast<std::size_t>(id.band);
+  return band < cost.bands.size() ? &cost.bands[band] : nullptr;
+}
+
+}  // namespace
+
+QueryCost StoredPages::cost_of_header() const {
+  QueryCost cost;
+  cost.pages_read = 1;
+  cost.bytes_read = header_bytes_;
+  cost.bands.resize(static_cast<std::size_t>(manifest_.bands));
+  for (int band = 0; band < manifest_.bands; ++band)
+    cost.bands[static_cast<std::size_t>(band)].spacing = band_spacing(band);
+  return cost;
+}
+
+StoredPage StoredPages::find(PageId id, QueryCost& cost) const {
+  const auto stored = txn_.find({id.band, curve_position(id)});
+  if (!stored) {
+    throw Failure(Cause::corrupt,
+                  fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band),
+                  file_);
+  }
+  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes;
+  ++cost.pages_read;
+  cost.bytes_read += bytes;
+  if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
+  return *stored;
+}
+
+void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage& page) const {
+  if (page.generation == generation) return;
+  throw Failure(Cause::corrupt,
+                fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, {} is expected",
+                            file_.string(), id.x, id.y, id.band, page.generation, generation),
+                file_);
+}
+
+/// What was decoded, if the file had all its bytes until the end.
+template <class Decode>
+const Page& StoredPages::whole(Decode&& decode) const {
+  try {
+    const Page& page = decode();
+    txn_.require_all_bytes();
+    return page;
+  } catch (const Failure&) {
+    txn_.require_all_bytes();
+    throw;
+  }
+}
+
+const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
+  const Stopwatch reading(cost.reading_seconds);
+  const StoredPage stored = find(id, cost);
+  require(id, generation, stored);
+  return whole([&]() -> const Page& {
+    return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  });
+}
+
+std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generation, QueryCost& cost) const {
+  const PageCache::Key key{id.band, curve_position(id), generation};
+  if (auto page = cache_->find(key)) {
+    ++cost.pages_cached;
+    if (BandCost* band = band_in(cost, id)) ++band->pages_cached;
+    return page;
+  }
+  const PageCache::BorrowedDecoder decoder = cache_->borrow_decoder();
+  return cache_->keep(key, get(id, generation, *decoder, cost));
+}
+
+bool StoredPages::would_keep(GridRect region) const {
+  constexpr std::uint64_t kBytesASample = 20;
+  return static_cast<std::uint64_t>(region.samples()) <= cache_->most_bytes() / 2 / kBytesASample;
+}
+
+const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
+  const Stopwatch reading(cost.reading_seconds);
+  const StoredPage stored = find(id, cost);
+  if (generation != nullptr) *generation = stored.generation;
+  return whole([&]() -> const Page& {
+    return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  });
+}
+
+const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
+  const Stopwatch reading(cost.reading_seconds);
+  const StoredPage stored = find(id, cost);
+  require(id, generation, stored);
+  return whole([&]() -> const Page& {
+    return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
+  });
+}
+
+}  // namespace talus

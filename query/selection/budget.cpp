@@ -1,0 +1,180 @@
+#include "query/selection/budget.hpp"
+
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <tuple>
+#include <unordered_set>
+
+#include <fmt/format.h>
+
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/half_diamond.hpp"
+#include "engine/quadtree/triangulation.hpp"
+#include "query/pages/nearby_pages.hpp"
+#include "query/pages/stopwatch.hpp"
+#include "query/selection/answer_builder.hpp"
+#include "query/selection/refusals.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+/// Counts what each code adds to an answer, page by page, those with the largest errors first: as soon as the pages
+/// that are left hold nothing above the tolerance that fits, they need not be read.
+class Fitting {
+ public:
+  Fitting(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost)
+      : pages_(pages),
+        region_(region),
+        budget_(budget),
+        extent_(pages.manifest().description.extent),
+        cost_(cost),
+        nearby_(pages, cost_) {}
+
+  Metres run() {
+    count_border();
+    const Manifest& manifest = pages_.manifest();
+    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+    for (std::size_t i = 0; i < tops.size(); ++i) consider(tops[i], kAlwaysSelected, manifest.top_generations[i]);
+    while (!waiting_.empty() && !is_over_from(waiting_.top().largest)) {
+      const Waiting next = waiting_.top();
+      waiting_.pop();
+      count(*pages_.shared(next.id, next.generation, cost_));
+    }
+    return tolerance_of(smallest_that_fits());
+  }
+
+ private:
+  struct Waiting {
+    ErrorCode largest;
+    PageId id;
+    std::uint32_t generation;
+    friend bool operator<(const Waiting& a, const Waiting& b) {
+      return std::tuple(a.largest, -a.id.band, a.id.x, a.id.y) < std::tuple(b.largest, -b.id.band, b.id.x, b.id.y);
+    }
+  };
+  struct Sum {
+    std::uint64_t vertices = 0, triangles = 0;
+    void add(const Sum& s) { vertices += s.vertices, triangles += s.triangles; }
+  };
+
+  /// What every answer holds: the border's vertices, as far as they are stored, the root corner, and their triangles.
+  void count_border() {
+    VertexMask mask(region_);
+    AnswerBuilder found(pages_, cost_);
+    std::vector<GridPoint> needed = border_vertices(region_, root_side(extent_));
+    if (region_.contains({0, 0})) needed.push_back({0, 0});  // a root corner, whatever the tolerance
+    for (const GridPoint p : needed) {
+      if (!forced_.insert(key(p)).second) continue;
+      const Page* page = nearby_.page_of_vertex(p);
+      if (page == nullptr) continue;
+      found.begin_page();
+      found.take(*page, (p.col >> page->grid.shift) - page->grid.first.col,
+                 (p.row >> page->grid.shift) - page->grid.first.row);
+      mask.insert(p);
+    }
+    const RestrictedQuadtree border = found.quadtree(region_, std::move(mask));
+    border_ = {border.vertices.size(), triangulate(border).triangles.size()};
+    if (!fits(border_)) {
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("a budget of {}: the region's border alone needs {} vertices and {} triangles; a region "
+                      "on multiples of 16 samples (--snap 16) needs fewest",
+                      budget_text(), border_.vertices, border_.triangles));
+    }
+  }
+
+  [[nodiscard]] std::string budget_text() const {
+    std::string text;
+    if (budget_.vertices > 0) text = fmt::format("{} vertices", budget_.vertices);
+    if (budget_.triangles > 0) text += fmt::format("{}{} triangles", text.empty() ? "" : " and ", budget_.triangles);
+    return text;
+  }
+  [[nodiscard]] bool fits(const Sum& s) const {
+    return (budget_.vertices == 0 || s.vertices <= budget_.vertices) &&
+           (budget_.triangles == 0 || s.triangles <= budget_.triangles);
+  }
+
+  void consider(PageId id, ErrorCode largest, std::uint32_t generation) {
+    if (overlap(page_square(id), region_)) waiting_.push({largest, id, generation});
+  }
+
+  void count(const Page& page) {
+    for_each_in(page.grid, region_, [&](std::int32_t col, std::int32_t row) {
+      const GridPoint p = page.grid.at(col, row);
+      if (!page.is_own(p)) return;
+      const std::size_t i = page.index(col, row);
+      const ErrorCode code = page.error(i, pages_.distance());
+      if (code > 0 && !forced_.contains(key(p))) by_code_[code].add({1, triangles_added(page, i, p)});
+    });
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const ChildEntry& child = page.children[i];
+      if (child.present) consider(child_page(page.id, i), child.largest, child.generation);
+    }
+  }
+
+  /// A vertex turns each half of its diamond into two triangles, of which those with data count. A half that leaves the
+  /// region is never a triangle of an answer.
+  [[nodiscard]] std::uint64_t triangles_added(const Page& page, std::size_t i, GridPoint p) const {
+    const unsigned covers = page.covers.empty() ? 15u : page.covers[i];
+    std::uint64_t added = 0;
+    for (const int side : {0, 1}) {
+      if (inside(half_diamond(p, side), region_) && (covers >> (2 * side) & 3) == 3) ++added;
+    }
+    return added;
+  }
+
+  /// Whether vertices with codes from `least` up, all of which were counted but perhaps those of `least`, are too many:
+  /// the tolerance that fits is then `least` or above.
+  [[nodiscard]] bool is_over_from(ErrorCode least) const {
+    Sum sum = border_;
+    for (std::size_t code = by_code_.size(); code-- > least + 1u;) sum.add(by_code_[code]);
+    return !fits(sum);
+  }
+
+  [[nodiscard]] ErrorCode smallest_that_fits() const {
+    Sum sum = border_;
+    for (std::size_t code = by_code_.size(); code-- > 0;) {
+      sum.add(by_code_[code]);
+      if (!fits(sum)) return static_cast<ErrorCode>(code);
+    }
+    return 0;
+  }
+
+  /// The tolerance on the ladder, with what stored heights may be off; rounding must not take a code away from it.
+  [[nodiscard]] Metres tolerance_of(ErrorCode code) const {
+    const double lossy = pages_.manifest().description.lossy_metres;
+    double tolerance = error_of(code) + lossy;
+    while (largest_code_within(tolerance - lossy) < code)
+      tolerance = std::nextafter(tolerance, std::numeric_limits<double>::infinity());
+    return Metres{tolerance};
+  }
+
+  static std::uint64_t key(GridPoint p) {
+    return std::uint64_t{static_cast<std::uint32_t>(p.col)} << 32 | static_cast<std::uint32_t>(p.row);
+  }
+
+  const StoredPages& pages_;
+  GridRect region_;
+  const Budget& budget_;
+  GridRect extent_;
+  QueryCost& cost_;
+  NearbyPages nearby_;
+  std::unordered_set<std::uint64_t> forced_;
+  Sum border_;
+  std::priority_queue<Waiting> waiting_;
+  std::vector<Sum> by_code_ = std::vector<Sum>(kAlwaysSelected + 1u);  ///< without the border's
+};
+
+}  // namespace
+
+Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost) {
+  require_inside(pages, region);
+  if (budget.vertices == 0 && budget.triangles == 0) return Metres{0};
+  cost = pages.cost_of_header();
+  const Stopwatch running(cost.seconds);
+  return Fitting(pages, region, budget, cost).run();
+}
+
+}  // namespace talus

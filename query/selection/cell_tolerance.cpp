@@ -1,0 +1,171 @@
+// Tolerances that are the same all over a cell: of a raster, or of patches.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "query/selection/refusals.hpp"
+#include "talus/failure.hpp"
+#include "talus/question.hpp"
+
+namespace talus {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+[[noreturn]] void refuse(const std::string& sentence) { throw Failure(Cause::invalid_argument, sentence); }
+
+/// The cells along one axis in which samples lie, numbered in their order.
+struct Axis {
+  std::vector<std::int32_t> of_sample;  ///< by sample of the region
+  std::vector<std::int32_t> cells;      ///< the caller's number of each
+
+  void add(std::int32_t cell) {
+    if (cells.empty() || cells.back() != cell) cells.push_back(cell);
+    of_sample.push_back(static_cast<std::int32_t>(cells.size()) - 1);
+  }
+};
+
+/// Above the cells stand levels with the least of two by two of the level below.
+class CellTolerance final : public ToleranceField {
+ public:
+  /// metres  of the axes' cells, row by row
+  CellTolerance(GridRect region, Axis cols, Axis rows, std::vector<double> metres)
+      : region_(region), cols_(std::move(cols)), rows_(std::move(rows)) {
+    levels_.push_back({cols_.cells.size(), rows_.cells.size(), std::move(metres)});
+    while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(above(levels_.back()));
+  }
+
+  [[nodiscard]] double at(GridPoint p) const override { return least({p, p}); }
+  /// Exact. Costs in proportion to the outline of the rectangle, in cells.
+  [[nodiscard]] double least(GridRect r) const override {
+    r = {{std::max(r.first.col, region_.first.col), std::max(r.first.row, region_.first.row)},
+         {std::min(r.last.col, region_.last.col), std::min(r.last.row, region_.last.row)}};
+    if (r.cols() < 1 || r.rows() < 1) return kNone;
+    const Cells wanted{cell(cols_, r.first.col, region_.first.col), cell(rows_, r.first.row, region_.first.row),
+                       cell(cols_, r.last.col, region_.first.col), cell(rows_, r.last.row, region_.first.row)};
+    // Two by two of these hold the rectangle.
+    const auto level =
+        static_cast<std::size_t>(std::bit_width(std::max(wanted.right - wanted.left, wanted.bottom - wanted.top)));
+    double least = kNone;
+    for (std::size_t y = wanted.top >> level; y <= wanted.bottom >> level; ++y) {
+      for (std::size_t x = wanted.left >> level; x <= wanted.right >> level; ++x) take(level, x, y, wanted, least);
+    }
+    return least;
+  }
+
+ private:
+  struct Cells {
+    std::size_t left, top, right, bottom;
+  };
+  struct Level {
+    std::size_t width, height;
+    std::vector<double> least;
+    [[nodiscard]] double at(std::size_t x, std::size_t y) const { return least[y * width + x]; }
+  };
+
+  static Level above(const Level& fine) {
+    Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
+    coarse.least.assign(coarse.width * coarse.height, kNone);
+    for (std::size_t y = 0; y < fine.height; ++y) {
+      for (std::size_t x = 0; x < fine.width; ++x) {
+        double& least = coarse.least[y / 2 * coarse.width + x / 2];
+        least = std::min(least, fine.at(x, y));
+      }
+    }
+    return coarse;
+  }
+  static std::size_t cell(const Axis& axis, std::int32_t sample, std::int32_t first) {
+    return static_cast<std::size_t>(axis.of_sample[static_cast<std::size_t>(sample - first)]);
+  }
+
+  void take(std::size_t level, std::size_t x, std::size_t y, const Cells& wanted, double& least) const {
+    const Level& here = levels_[level];
+    if (x >= here.width || y >= here.height || here.at(x, y) >= least) return;
+    const std::size_t left = x << level, top = y << level, size = std::size_t{1} << level;
+    if (left > wanted.right || left + size <= wanted.left || top > wanted.bottom || top + size <= wanted.top) return;
+    if (left >= wanted.left && left + size - 1 <= wanted.right && top >= wanted.top &&
+        top + size - 1 <= wanted.bottom) {
+      least = here.at(x, y);
+      return;
+    }
+    for (const std::size_t i : {0u, 1u, 2u, 3u}) take(level - 1, 2 * x + i % 2, 2 * y + i / 2, wanted, least);
+  }
+
+  GridRect region_;
+  Axis cols_, rows_;
+  std::vector<Level> levels_;
+};
+
+/// The cells in which the samples of a region lie, along one axis.
+///
+/// x0, dx  of samples, c0, dc of cells: where number 0 is, and from there to the next
+/// returns  nothing if a sample lies in none
+Axis cells_of(double x0, double dx, std::int32_t first, std::int32_t last, double c0, double dc,
+              std::int32_t first_cell, std::int32_t last_cell) {
+  constexpr double kOnLine = 1e-6;
+  const double sample = std::abs(dx / dc);  // in cells
+  Axis axis;
+  if (last_cell < first_cell) return axis;
+  for (std::int32_t v = first; v <= last; ++v) {
+    const double at = (x0 + v * dx - c0) / dc + 0.5;  // in cells from the edge of cell 0
+    if (!(at >= first_cell - sample - kOnLine && at <= last_cell + 1.0 + sample + kOnLine)) return {};
+    axis.add(static_cast<std::int32_t>(std::clamp<double>(std::floor(at + kOnLine), first_cell, last_cell)));
+  }
+  return axis;
+}
+
+}  // namespace
+
+std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
+                                                      std::vector<double> metres) {
+  if (cols < 1 || rows < 1 || cols > region.cols() || rows > region.rows()) {
+    refuse(fmt::format("{} x {} patches of tolerance: expected from 1 to as many as the region's {} x {} samples", cols,
+                       rows, region.cols(), region.rows()));
+  }
+  if (metres.size() != static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows)) {
+    refuse(fmt::format("{} tolerances for {} x {} patches: expected one a patch", metres.size(), cols, rows));
+  }
+  for (const double m : metres) require_tolerance(Metres{m});
+  const auto evenly = [](std::int64_t samples, std::int64_t patches) {
+    Axis axis;
+    for (std::int64_t i = 0; i < samples; ++i) axis.add(static_cast<std::int32_t>(i * patches / samples));
+    return axis;
+  };
+  return std::make_shared<CellTolerance>(region, evenly(region.cols(), cols), evenly(region.rows(), rows),
+                                         std::move(metres));
+}
+
+std::shared_ptr<const ToleranceField> raster_tolerance(const Description& d, GridRect region, const GridMapping& cells,
+                                                       const SampleWindow& metres) {
+  const GridMapping& m = d.mapping;
+  const GridRect& there = metres.region;
+  Axis cols =
+      cells_of(m.x0, m.dx, region.first.col, region.last.col, cells.x0, cells.dx, there.first.col, there.last.col);
+  Axis rows =
+      cells_of(m.y0, m.dy, region.first.row, region.last.row, cells.y0, cells.dy, there.first.row, there.last.row);
+  if (cols.cells.empty() || rows.cells.empty()) {
+    refuse(fmt::format("tolerances do not cover the region, x {} to {}, y {} to {}", m.x(region.first.col),
+                       m.x(region.last.col), m.y(region.last.row), m.y(region.first.row)));
+  }
+  std::vector<double> used;
+  used.reserve(cols.cells.size() * rows.cells.size());
+  for (const std::int32_t row : rows.cells) {
+    for (const std::int32_t col : cols.cells) {
+      const GridPoint cell{col, row};
+      const std::size_t i = metres.index(cell);
+      if (metres.valid[i] == 0 || !(metres.values[i] >= 0)) {
+        refuse(fmt::format("tolerance of the cell at {}, {} (column {}, row {}): expected metres, 0 or more, not {}",
+                           cells.x(cell.col), cells.y(cell.row), cell.col, cell.row,
+                           metres.valid[i] == 0 ? "nothing" : fmt::format("{}", metres.values[i])));
+      }
+      used.push_back(metres.values[i]);
+    }
+  }
+  return std::make_shared<CellTolerance>(region, std::move(cols), std::move(rows), std::move(used));
+}
+
+}  // namespace talus

@@ -1,0 +1,362 @@
+#include "query/selection/range_query.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <type_traits>
+
+#include "engine/machine/parallel.hpp"
+#include "engine/quadtree/border.hpp"
+#include "query/pages/page_fates.hpp"
+#include "query/pages/stopwatch.hpp"
+#include "query/selection/answer_builder.hpp"
+#include "query/selection/refusals.hpp"
+#include "query/selection/threshold.hpp"
+
+namespace talus {
+namespace {
+
+/// A page that is to be looked into.
+struct Wanted {
+  PageId id;
+  std::uint32_t generation;
+  bool is_above;  ///< it may hold something above the tolerance; else only the border needs it
+};
+
+class RangeQuery {
+ public:
+  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance, int threads, std::optional<Metres> from)
+      : pages_(pages),
+        manifest_(pages.manifest()),
+        region_(region),
+        asked_(tolerance.value),
+        lossy_(manifest_.description.lossy_metres),
+        tolerance_(left_of(tolerance)),
+        threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)),
+        keeps_pages_(pages.would_keep(region)),
+        above_(tolerance_, pages.distance()),
+        vertices_(region) {
+    if (from) above_from_.emplace(left_of(*from), pages.distance());
+    for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region, threads_));
+  }
+
+  Answer run() {
+    const auto started = std::chrono::steady_clock::now();
+    force_border();
+    workers_.front()->fates.begin();
+    std::vector<Wanted> pages;
+    const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
+    for (std::size_t i = 0; i < tops.size(); ++i) {
+      if (overlap(page_square(tops[i]), region_)) pages.push_back({tops[i], manifest_.top_generations[i], true});
+    }
+    // The coarsest pages first, until there is enough to share.
+    const std::size_t enough = threads_ == 1 ? 0 : kTasksAThread * static_cast<std::size_t>(threads_);
+    while (!pages.empty() && pages.size() < enough && pages.front().id.band > 0) {
+      std::vector<Wanted> below;
+      for (const Wanted& page : pages) look_into(page, *workers_.front(), below);
+      pages = std::move(below);
+    }
+    for_each_task(threads_, pages.size(),
+                  [&](int who, std::size_t task) { descend(pages[task], *workers_[static_cast<std::size_t>(who)]); });
+    return answer(started);
+  }
+
+ private:
+  static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
+  static constexpr std::size_t kTasksAThread = 8;
+  static constexpr std::int32_t kStretch = 32;  ///< samples that are glanced at together
+
+  struct NothingNeeded {
+    bool operator()(std::size_t) const { return false; }
+  };
+
+  using PageKeyPair = std::pair<int, std::uint64_t>;
+
+  /// What a thread has found, and what it needs to find more.
+  struct Worker {
+    Worker(const StoredPages& pages, GridRect region, int workers)
+        : fates(pages, region, cost),
+          found(pages, cost, expected_bytes(region, workers)),
+          levels(pages.manifest().description.extent),
+          decoder(pages.borrow_decoder()) {}
+    /// If one sample in eight is a vertex; a large page at most.
+    static std::size_t expected_bytes(GridRect region, int workers) {
+      return static_cast<std::size_t>(std::clamp<std::int64_t>(2 * region.samples() / workers, 1 << 16, 2 << 20));
+    }
+    QueryCost cost;
+    PageFates fates;
+    AnswerBuilder found;
+    LargestAbsent absent;
+    LargestByLevel levels;
+    std::uint64_t forced_alone = 0;
+    PageCache::BorrowedDecoder decoder;
+    Array<PageSample> chosen;
+    std::vector<std::uint8_t> is_forced;  ///< by sample of a page that the border needs
+  };
+
+  /// What stored heights leave of a tolerance.
+  [[nodiscard]] double left_of(Metres asked) const {
+    return std::max(manifest_.description.kept_above(), asked.value - lossy_);
+  }
+
+  Answer answer(std::chrono::steady_clock::time_point started) {
+    LargestAbsent absent;
+    LargestByLevel levels(manifest_.description.extent);
+    std::vector<const AnswerBuilder*> found;
+    Answer answer;
+    answer.cost = pages_.cost_of_header();
+    for (const auto& worker : workers_) {
+      absent.take(worker->absent);
+      levels.take(worker->levels);
+      found.push_back(&worker->found);
+      answer.border_vertices += worker->forced_alone;
+    }
+    {
+      const Stopwatch gathering(answer.cost.gathering_seconds);
+      answer.quadtree = AnswerBuilder::quadtree(found, region_, std::move(vertices_), threads_);
+    }
+    answer.quadtree.tolerance = Metres{asked_};
+    answer.quadtree.bound = bound_of(pages_, absent, tolerance_);
+    answer.quadtree.level_errors = levels.metres(pages_);
+    answer.quadtree.origin = {pages_.identity(), Border::constrain, true};
+    for (const auto& worker : workers_) answer.cost += worker->cost;
+    answer.cost.reading_seconds /= threads_;
+    answer.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    return answer;
+  }
+
+  /// Notes by page what the border needs, and all pages above.
+  void force_border() {
+    for (const GridPoint p : border_vertices(region_, root_side(manifest_.description.extent))) {
+      PageId id = page_of(p, band_of(p, manifest_.bands));
+      forced_[{id.band, curve_position(id)}].push_back(p);
+      for (id = parent_page(id); id.band < manifest_.bands; id = parent_page(id)) {
+        if (!forced_.try_emplace({id.band, curve_position(id)}).second) break;
+      }
+    }
+  }
+  [[nodiscard]] bool is_forced(PageId id) const { return forced_.contains({id.band, curve_position(id)}); }
+
+  void descend(const Wanted& wanted, Worker& worker) {
+    std::vector<Wanted> below;
+    look_into(wanted, worker, below);
+    for (const Wanted& page : below) descend(page, worker);
+  }
+
+  /// Takes from a page what it has, and names the pages below it that are to be looked into.
+  void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
+    std::shared_ptr<const Page> kept;
+    if (keeps_pages_) kept = pages_.shared(wanted.id, wanted.generation, worker.cost);
+    const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, *worker.decoder, worker.cost);
+    worker.fates.look_into(page, wanted.is_above);
+    select(page, worker);
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const PageId child = child_page(wanted.id, i);
+      const ChildEntry& entry = page.children[i];
+      if (!entry.present || !overlap(page_square(child), region_)) continue;
+      // A page with nothing above the tolerance counts in the bound as its entry says, though the border may need it
+      // and more be known then: so increments, which do not read it, have the same bound.
+      const bool is_wanted = above_(entry.largest);
+      if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
+      if (is_wanted || (!above_from_ && is_forced(child))) below.push_back({child, entry.generation, is_wanted});
+    }
+  }
+
+  /// Takes the page's own vertices whose error is above the tolerance, or that the border needs; of an increment those
+  /// that neither the border needs nor the coarser answer has.
+  void select(const Page& page, Worker& worker) {
+    const auto forced = forced_.find({page.id.band, curve_position(page.id)});
+    if (forced == forced_.end() || forced->second.empty()) {
+      above_from_ ? choose<true>(page, worker, NothingNeeded()) : choose<false>(page, worker, NothingNeeded());
+      for (const auto [col, row] : worker.chosen)
+        worker.levels.take(page, page.index(col, row), page.grid.at(col, row));
+    } else {
+      select_beside_border(page, forced->second, worker);
+    }
+    insert(page.grid, worker.chosen);
+    worker.found.take(page, worker.chosen);
+  }
+
+  void select_beside_border(const Page& page, std::span<const GridPoint> forced, Worker& worker) {
+    std::vector<std::uint8_t>& is_forced = worker.is_forced;
+    is_forced.assign(page.grid.size(), 0);
+    for (const GridPoint p : forced) {
+      is_forced[page.index((p.col >> page.grid.shift) - page.grid.first.col,
+                           (p.row >> page.grid.shift) - page.grid.first.row)] = 1;
+    }
+    const auto is_needed = [&](std::size_t i) { return is_forced[i] != 0; };
+    above_from_ ? choose<true>(page, worker, is_needed) : choose<false>(page, worker, is_needed);
+    for (const auto [col, row] : worker.chosen) {
+      const std::size_t i = page.index(col, row);
+      if (is_forced[i] == 0) {
+        worker.levels.take(page, i, page.grid.at(col, row));
+      } else if (!above_(page, i)) {
+        ++worker.forced_alone;
+      }
+    }
+  }
+
+  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent. Of an increment, only what is
+  /// above the tolerance, within the coarser one, and not needed.
+  template <bool kIsIncrement, class IsNeeded>
+  void choose(const Page& page, Worker& worker, IsNeeded&& is_needed) {
+    const auto samples = samples_in(page.grid, region_);
+    const auto first = samples.first, last = samples.last;
+    worker.chosen.resize(page.grid.size() + 1);
+    PageSample* next = worker.chosen.data();
+    const ErrorCode threshold = above_.code(), threshold_before = kIsIncrement ? above_from_->code() : ErrorCode{0};
+    ErrorCode absent_code = worker.absent.code;
+    // Of every sample: is its distance above the tolerance, or its code? Samples that are no vertices of this band
+    // have neither. A sample is always written and then kept or not: most pages have as many of one kind as of the
+    // other.
+    const auto look = [&](auto&& distance_of, auto largest_within, auto largest_before, auto&& is_all_absent) {
+      auto largest_absent = largest_within;
+      largest_absent = -1;
+      for (std::int32_t row = first.row; row <= last.row; ++row) {
+        for (std::int32_t start = first.col; start <= last.col; start += kStretch) {
+          const std::int32_t end = std::min(start + kStretch - 1, last.col);
+          if (is_all_absent(page.index(start, row), static_cast<std::size_t>(end - start + 1), largest_absent))
+            continue;
+          for (std::int32_t col = start; col <= end; ++col) {
+            const std::size_t i = page.index(col, row);
+            const ErrorCode code = page.errors[i];
+            const auto distance = distance_of(i);
+            const bool is_above = (distance > largest_within) | (code > threshold), needed = is_needed(i);
+            const bool is_absent = !(is_above | needed);
+            bool is_chosen = !is_absent;
+            if (kIsIncrement)
+              is_chosen = is_above & !((distance > largest_before) | (code > threshold_before) | needed);
+            *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
+            next += is_chosen ? 1 : 0;
+            absent_code = std::max(absent_code, is_absent ? code : ErrorCode{0});
+            largest_absent = std::max(largest_absent, is_absent ? distance : decltype(distance)(-1));
+          }
+        }
+      }
+      return static_cast<double>(largest_absent);
+    };
+    constexpr bool kMayBeNeeded = !std::is_same_v<std::decay_t<IsNeeded>, NothingNeeded>;
+    const auto look_at_each = [](std::size_t, std::size_t, auto&) { return false; };
+    double absent = -1;
+    if (page.eighths.empty() && !page.distances.empty()) {
+      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance(),
+                    kIsIncrement ? above_from_->distance() : 0.0, look_at_each);
+    } else if (page.eighths.empty()) {
+      look([](std::size_t) { return -1; }, 0, 0, look_at_each);
+    } else {
+      const auto glance = [&](std::size_t i, std::size_t count, std::int32_t& largest_absent) {
+        if (kMayBeNeeded) return false;
+        const LargestErrors largest = largest_errors({&page.errors[i], count}, {&page.eighths[i], count});
+        if (largest.code > threshold || largest.eighths > above_.eighths()) return false;
+        absent_code = std::max(absent_code, largest.code);
+        largest_absent = std::max(largest_absent, largest.eighths);
+        return true;
+      };
+      absent = look([&](std::size_t i) { return page.eighths[i]; }, above_.eighths(),
+                    kIsIncrement ? above_from_->eighths() : 0, glance) /
+               8;
+    }
+    worker.chosen.resize(static_cast<std::size_t>(next - worker.chosen.data()));
+    worker.absent.code = absent_code;
+    worker.absent.distance = std::max(worker.absent.distance, absent);
+  }
+
+  /// Word by word: others may write other bits of a word at the same time.
+  void insert(const PageGrid& grid, std::span<const PageSample> samples) {
+    std::uint64_t* word = nullptr;
+    std::uint64_t bits = 0;
+    const auto flush = [&] {
+      if (bits != 0) std::atomic_ref(*word).fetch_or(bits, std::memory_order_relaxed);
+    };
+    std::span<std::uint64_t> words;
+    int row_of_words = -1;
+    for (const auto [col, row] : samples) {
+      const GridPoint p = grid.at(col, row);
+      if (row != row_of_words) {
+        words = vertices_.row_words(p.row);
+        row_of_words = row;
+      }
+      const auto at = static_cast<std::size_t>(std::int64_t{p.col} - region_.first.col);
+      std::uint64_t* here = &words[at / 64];
+      if (here != word) {
+        flush();
+        word = here;
+        bits = 0;
+      }
+      bits |= std::uint64_t{1} << at % 64;
+    }
+    flush();
+  }
+
+  const StoredPages& pages_;
+  const Manifest& manifest_;
+  GridRect region_;
+  double asked_;
+  double lossy_;      ///< how far stored heights may lie from the source's
+  double tolerance_;  ///< what is left of the one asked for
+  int threads_;
+  bool keeps_pages_;  ///< for the next question
+  Threshold above_;
+  std::optional<Threshold> above_from_;  ///< of an increment: what the coarser answer has
+  VertexMask vertices_;
+  std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< pages that the border needs, and what it needs of them
+  std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+void copy_samples(const Page& page, const HeightStep& step, StoredSamples& stored) {
+  SampleWindow& to = stored.window;
+  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+      const GridPoint p = page.grid.at(col, row);
+      const std::size_t i = page.index(col, row);
+      if (!to.region.contains(p) || (!page.valid.empty() && !page.valid[i])) continue;
+      to.values[to.index(p)] = step.value(page.heights[i]);
+      to.valid[to.index(p)] = 1;
+      if (page.is_dropped(col, row)) stored.dropped[to.index(p)] = 1;
+    }
+  }
+}
+
+}  // namespace
+
+Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads,
+                   std::optional<Metres> from) {
+  require_inside(pages, region);
+  require_tolerance(tolerance);
+  return RangeQuery(pages, region, tolerance, threads, from).run();
+}
+
+StoredSamples stored_samples(const StoredPages& pages, GridRect region) {
+  require_inside(pages, region);
+  StoredSamples stored;
+  SampleWindow& window = stored.window;
+  window.region = region;
+  window.values.assign(static_cast<std::size_t>(region.samples()), 0);
+  window.valid.assign(window.values.size(), 0);
+  if (pages.manifest().description.finest_tolerance > 0) stored.dropped.assign(window.values.size(), 0);
+  const HeightStep& step = pages.manifest().description.step;
+  QueryCost unused;
+  PageDecoder decoder;
+  // From the top down: only a page above tells one that is missing from one that holds voids.
+  const auto visit = [&](auto&& self, PageId id, std::uint32_t generation) -> void {
+    const Page& page = pages.get_heights(id, generation, decoder, unused);
+    const std::vector<ChildEntry> children = page.children;
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      const PageId child = child_page(id, i);
+      if (children[i].present && overlap(page_square(child), region)) self(self, child, children[i].generation);
+    }
+    if (id.band == 0) copy_samples(page, step, stored);
+  };
+  const Manifest& manifest = pages.manifest();
+  const auto tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
+  for (std::size_t i = 0; i < tops.size(); ++i) {
+    if (overlap(page_square(tops[i]), region)) visit(visit, tops[i], manifest.top_generations[i]);
+  }
+  return stored;
+}
+
+}  // namespace talus

@@ -1,0 +1,330 @@
+#include "query/selection/selection.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <unordered_set>
+#include <utility>
+
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/construction.hpp"
+#include "query/pages/nearby_pages.hpp"
+#include "query/pages/page_fates.hpp"
+#include "query/pages/stopwatch.hpp"
+#include "query/selection/answer_builder.hpp"
+#include "query/selection/cover.hpp"
+#include "query/selection/matching.hpp"
+#include "query/selection/threshold.hpp"
+
+namespace talus {
+namespace {
+
+GridRect cut(GridRect a, GridRect b) {
+  return {{std::max(a.first.col, b.first.col), std::max(a.first.row, b.first.row)},
+          {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
+}
+
+/// What lies within `reach` cells of a rectangle.
+GridRect around(GridRect r, std::int32_t reach) {
+  return {{r.first.col - reach, r.first.row - reach}, {r.last.col + reach, r.last.row + reach}};
+}
+
+class Selection {
+ public:
+  Selection(const StoredPages& pages, const Question& question)
+      : pages_(pages),
+        question_(question),
+        extent_(pages.manifest().description.extent),
+        root_(root_side(extent_)),
+        kept_above_(pages.manifest().description.kept_above()),
+        lossy_(pages.manifest().description.lossy_metres),
+        above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
+        finest_height_(std::max(0, finest_level(extent_) - question.max_level)),
+        cost_(pages.cost_of_header()),
+        fates_(pages, question.region, cost_, finest_height_),
+        nearby_(pages, cost_),
+        found_(pages, cost_),
+        looked_into_(static_cast<std::size_t>(pages.manifest().bands)),
+        marked_(looked_into_.size()) {}
+
+  /// What the question asks for by itself.
+  void choose() {
+    const Stopwatch running(cost_.seconds);
+    fates_.begin();
+    choose_forced();
+    const Manifest& manifest = pages_.manifest();
+    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+    for (std::size_t i = 0; i < tops.size(); ++i) {
+      if (overlap(page_square(tops[i]), question_.region)) choose(tops[i], manifest.top_generations[i]);
+    }
+    // A tolerance above all errors of one level selects a closed set; one that varies may not.
+    if (question_.field) close_bottom_up(vertices_, root_);
+    if (question_.points.empty()) return;
+    for_points_ = insert_points();
+    for_points_ += close_bottom_up(vertices_, root_);
+  }
+
+  [[nodiscard]] const GridRect& region() const { return question_.region; }
+  [[nodiscard]] const VertexMask& vertices() const { return vertices_; }
+
+  /// Takes what a neighbour has on shared sides, with all it depends on. Returns whether there was anything new.
+  bool match(GridRect neighbour, const VertexMask& its_vertices) {
+    const Stopwatch running(cost_.seconds);
+    std::uint64_t added = 0;
+    for_each_on_shared_sides(its_vertices, neighbour, question_.region, [&](GridPoint p) {
+      if (vertices_.contains(p)) return;
+      vertices_.insert(p);
+      ++added;
+    });
+    if (added == 0) return false;
+    matching_ += added + close_bottom_up(vertices_, root_);
+    return true;
+  }
+
+  /// Once all is chosen.
+  Answer gather() {
+    Answer answer;
+    {
+      const Stopwatch running(cost_.seconds);
+      gather_into(answer);
+    }
+    answer.cost = cost_;
+    return answer;
+  }
+
+ private:
+  void gather_into(Answer& answer) {
+    gather_pages();
+    answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
+    answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
+    answer.quadtree.bound = bound_of(pages_, absent_, largest_tolerance());
+    answer.quadtree.origin = {pages_.identity(), question_.border, false};
+    answer.border_vertices = forced_alone_;
+    answer.matching_vertices = matching_;
+    answer.point_vertices = for_points_;
+    answer.void_points = void_points_;
+    for (const RestrictedQuadtree* neighbour : question_.neighbours) {
+      for_each_on_shared_sides(answer.quadtree.vertices, question_.region, neighbour->region, [&](GridPoint p) {
+        if (!neighbour->vertices.contains(p)) answer.unmatched.push_back(p);
+      });
+    }
+  }
+
+  [[nodiscard]] double largest_tolerance() const {
+    const bool by_tolerance = !question_.field && finest_height_ == 0;
+    return by_tolerance ? std::max(kept_above_, question_.tolerance.value - lossy_)
+                        : std::numeric_limits<double>::infinity();
+  }
+
+  void choose_forced() {
+    std::vector<GridPoint> needed;
+    GridRect window = question_.region;
+    if (question_.border == Border::constrain) {
+      needed = border_vertices(question_.region, root_);
+    } else {
+      const ExtentBorder& border = pages_.extent_border();
+      VerticesAround outside = vertices_around(question_.region, extent_, finest_height_, above_, border, nearby_);
+      for (const GridPoint p : outside.corners) {
+        window = {{std::min(window.first.col, p.col), std::min(window.first.row, p.row)},
+                  {std::max(window.last.col, p.col), std::max(window.last.row, p.row)}};
+      }
+      absent_ = outside.absent;
+      needed = std::move(outside.corners);
+      for (const GridPoint p : outside.splits) {
+        if (window.contains(p)) needed.push_back(p);
+      }
+      for (const GridPoint p : border.vertices()) {
+        if (question_.region.contains(p)) needed.push_back(p);
+      }
+    }
+    vertices_ = VertexMask(window);
+    for (const GridPoint p : needed) {
+      if (vertices_.contains(p)) continue;
+      vertices_.insert(p);
+      ++forced_alone_;
+    }
+  }
+
+  /// Whether a page, or one below it, may hold a vertex that is selected.
+  [[nodiscard]] bool is_worth_reading(PageId id, const ChildEntry& entry) const {
+    if (!entry.present || !overlap(page_square(id), question_.region)) return false;
+    if (!question_.field) return above_(entry.largest);
+    // A vertex counts its whole diamond; in this page and below it none reaches farther than this.
+    const GridRect square = around(cut(page_square(id), question_.region), band_spacing(id.band + 1));
+    return error_of(entry.largest) > limit_in(square);
+  }
+  [[nodiscard]] double limit_in(GridRect rect) const {
+    return std::max(kept_above_, question_.field->least(cut(rect, extent_)) - lossy_);
+  }
+  [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
+    if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;
+    if (!question_.field) return above_(page, i);
+    const double error =
+        page.is_implied(i) ? pages_.distance().metres(page.implied_distance(i)) : error_of(page.errors[i]);
+    return error > kept_above_ && error > limit_in(around({p, p}, spacing(p)));
+  }
+
+  /// The page's own vertices in a rectangle, by page-relative column and row.
+  template <class Visit>
+  static void for_each_own(const Page& page, GridRect in, Visit&& visit) {
+    for_each_in(page.grid, in, [&](std::int32_t col, std::int32_t row) {
+      if (page.is_own(page.grid.at(col, row))) visit(col, row);
+    });
+  }
+
+  void choose(PageId id, std::uint32_t generation) {
+    const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
+    look_into(*page, true);
+    for_each_own(*page, question_.region, [&](std::int32_t col, std::int32_t row) {
+      const GridPoint p = page->grid.at(col, row);
+      const std::size_t i = page->index(col, row);
+      if (is_selected(*page, i, p)) {
+        if (vertices_.contains(p)) --forced_alone_;
+        vertices_.insert(p);
+      } else if (!vertices_.contains(p)) {
+        absent_.take(*page, i);
+      }
+    });
+    for (std::size_t i = 0; i < page->children.size(); ++i) {
+      const PageId child = child_page(id, i);
+      const ChildEntry& entry = page->children[i];
+      if (is_worth_reading(child, entry) && is_fine_enough(child)) {
+        choose(child, entry.generation);
+      } else if (entry.present && overlap(page_square(child), question_.region)) {
+        absent_.code = std::max(absent_.code, entry.largest);
+      }
+    }
+  }
+  /// Holds a level that may be selected.
+  [[nodiscard]] bool is_fine_enough(PageId id) const { return band_shift(id.band + 1) > finest_height_; }
+
+  void look_into(const Page& page, bool is_wanted) {
+    const bool is_first = looked_into_[static_cast<std::size_t>(page.id.band)].insert(curve_position(page.id)).second;
+    if (is_first) fates_.look_into(page, is_wanted);
+  }
+
+  /// Returns how many of the points are new; void samples are left out and counted.
+  std::uint64_t insert_points() {
+    const int bands = pages_.manifest().bands;
+    const auto place = [&](GridPoint p) {
+      const PageId id = page_of(p, band_of(p, bands));
+      return std::pair(id.band, curve_position(id));
+    };
+    std::vector<GridPoint> points = question_.points;  // page by page
+    std::sort(points.begin(), points.end(), [&](GridPoint a, GridPoint b) { return place(a) < place(b); });
+    std::uint64_t added = 0;
+    for (const GridPoint p : points) {
+      const Page* page = nearby_.page_of_vertex(p);
+      if (page == nullptr || !is_data(*page, p)) {
+        ++void_points_;
+      } else if (!vertices_.contains(p)) {
+        vertices_.insert(p);
+        ++added;
+      }
+    }
+    return added;
+  }
+  static bool is_data(const Page& page, GridPoint p) {
+    if (page.valid.empty()) return true;
+    const std::int32_t col = (p.col >> page.grid.shift) - page.grid.first.col;
+    const std::int32_t row = (p.row >> page.grid.shift) - page.grid.first.row;
+    return page.valid[page.index(col, row)] != 0;
+  }
+
+  void gather_pages() {
+    const double reading_before = cost_.reading_seconds;
+    {
+      const Stopwatch gathering(cost_.gathering_seconds);
+      mark_pages();
+      const Manifest& manifest = pages_.manifest();
+      const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
+      for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
+    }
+    cost_.gathering_seconds -= cost_.reading_seconds - reading_before;
+  }
+
+  /// Pages of the chosen vertices, and all above them.
+  void mark_pages() {
+    const int bands = pages_.manifest().bands;
+    std::vector<PageId> last(static_cast<std::size_t>(bands), PageId{-1, 0, 0});
+    const auto mark = [&](GridPoint p) {
+      PageId id = page_of(p, band_of(p, bands));
+      for (; id.band < bands; id = parent_page(id)) {
+        if (last[static_cast<std::size_t>(id.band)] == id) return;
+        last[static_cast<std::size_t>(id.band)] = id;
+        marked_[static_cast<std::size_t>(id.band)].insert(curve_position(id));
+      }
+    };
+    vertices_.for_each(mark);
+  }
+
+  void gather(PageId id, std::uint32_t generation) {
+    if (!marked_[static_cast<std::size_t>(id.band)].contains(curve_position(id))) return;
+    const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
+    look_into(*page, false);
+    found_.begin_page();
+    for_each_own(*page, vertices_.region(), [&](std::int32_t col, std::int32_t row) {
+      if (vertices_.contains(page->grid.at(col, row))) found_.take(*page, col, row);
+    });
+    for (std::size_t i = 0; i < page->children.size(); ++i) {
+      const ChildEntry& child = page->children[i];
+      if (child.present) gather(child_page(id, i), child.generation);
+    }
+  }
+
+  const StoredPages& pages_;
+  const Question& question_;
+  GridRect extent_;
+  std::int32_t root_;
+  double kept_above_;  ///< metres
+  double lossy_;       ///< how far stored heights may lie from the source's
+  Threshold above_;
+  int finest_height_;  ///< log2 of the smallest spacing that max_level allows
+  QueryCost cost_;
+  PageFates fates_;
+  NearbyPages nearby_;
+  AnswerBuilder found_;
+  VertexMask vertices_;
+  std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
+  std::uint64_t matching_ = 0;      ///< vertices that only neighbours need
+  std::uint64_t for_points_ = 0;    ///< vertices that only points need
+  std::uint64_t void_points_ = 0;
+  LargestAbsent absent_;
+  std::vector<std::unordered_set<std::uint64_t>> looked_into_;  ///< by band, positions on the curve
+  std::vector<std::unordered_set<std::uint64_t>> marked_;       ///< the same
+};
+
+}  // namespace
+
+// The vertices of a region are closed on the whole grid, so what a side's vertices depend on along that side is the
+// same from either region: the union of both closures has on the side just the union of theirs, and one exchange is
+// enough for two regions. A third may share another side, on which the closure has added something: hence the rounds.
+std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches) {
+  std::vector<std::unique_ptr<Selection>> chosen;
+  for (const Question& question : patches) {
+    chosen.push_back(std::make_unique<Selection>(pages, question));
+    chosen.back()->choose();
+    for (const RestrictedQuadtree* neighbour : question.neighbours)
+      chosen.back()->match(neighbour->region, neighbour->vertices);
+  }
+  for (bool is_settled = false; !is_settled;) {
+    is_settled = true;
+    for (const auto& one : chosen) {
+      for (const auto& other : chosen) {
+        if (one != other && one->match(other->region(), other->vertices())) is_settled = false;
+      }
+    }
+  }
+  std::vector<Answer> answers;
+  for (auto& one : chosen) {
+    answers.push_back(one->gather());
+    one.reset();
+  }
+  return answers;
+}
+
+Answer select_and_gather(const StoredPages& pages, const Question& question) {
+  return std::move(select_and_gather(pages, std::span(&question, 1)).front());
+}
+
+}  // namespace talus

@@ -1,0 +1,83 @@
+#include "query/selection/threshold.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "engine/machine/cpu.hpp"
+
+namespace talus {
+namespace {
+
+/// More metres than doubles miss decimal heights by; part of the bound where a step is no binary fraction.
+constexpr double kDecimalRounding = 1e-9;
+
+/// The largest distance in height codes that is still within a tolerance; -1 if none is.
+double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
+  const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
+  // metres do not overflow
+  double low = 0, high = std::numeric_limits<double>::max() / std::max(1.0, distance.factor());
+  if (!within(0)) return -1;
+  if (within(high)) return high;
+  for (double middle = 1;; middle = low + (high - low) / 2) {
+    if (middle <= low || middle >= high) return low;
+    (within(middle) ? low : high) = middle;
+  }
+}
+
+/// The same in eighths of a code.
+std::int32_t largest_eighths_within(double largest_distance) {
+  if (largest_distance < 0) return -1;
+  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+  return largest_distance < kMost / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMost;
+}
+
+/// What their errors say, whether that bounds anything or not.
+double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
+  const Description& d = pages.manifest().description;
+  double metres = std::max(error_of(absent.code), d.kept_above());
+  if (absent.distance >= 0) metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
+  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
+  return metres + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);
+}
+
+}  // namespace
+
+Threshold::Threshold(double tolerance_m, const CodeDistance& distance)
+    : code_(largest_code_within(tolerance_m)),
+      distance_(largest_distance_within(tolerance_m, distance)),
+      eighths_(largest_eighths_within(distance_)) {}
+
+TALUS_CLONES LargestErrors largest_errors(std::span<const ErrorCode> codes, std::span<const std::int32_t> eighths) {
+  ErrorCode code = 0;
+  std::int32_t distance = -1;
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    code = std::max(code, codes[i]);
+    distance = std::max(distance, eighths[i]);
+  }
+  return {code, distance};
+}
+
+LargestByLevel::LargestByLevel(GridRect extent)
+    : levels_(static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(root_side(extent)))) + 1) {}
+
+void LargestByLevel::take(const LargestByLevel& others) {
+  for (std::size_t i = 0; i < levels_.size(); ++i) levels_[i].take(others.levels_[i]);
+}
+
+std::vector<double> LargestByLevel::metres(const StoredPages& pages) const {
+  std::vector<double> metres;
+  for (const LargestAbsent& level : levels_) {
+    const bool is_empty = level.code == 0 && level.distance < 0;
+    metres.push_back(is_empty ? 0 : error_of_absent(pages, level, std::numeric_limits<double>::infinity()));
+  }
+  return metres;
+}
+
+Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
+  if (pages.manifest().description.error_kind == ErrorKind::midpoint)
+    return Metres{std::numeric_limits<double>::infinity()};
+  return Metres{error_of_absent(pages, absent, tolerance_m)};
+}
+
+}  // namespace talus

@@ -1,0 +1,258 @@
+#include "query/surface/profile.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "query/geo/ground.hpp"
+#include "query/geo/longitude.hpp"
+#include "query/selection/refusals.hpp"
+
+namespace talus {
+namespace {
+
+/// Part of a straight line that lies in one triangle. `from` and `to` are shares of the line, heights are codes.
+struct Piece {
+  double from = 0, to = 0, height_from = 0, height_to = 0;
+  [[nodiscard]] double at(double share) const {
+    return to > from ? height_from + (height_to - height_from) * ((share - from) / (to - from)) : height_from;
+  }
+  [[nodiscard]] Piece part(double first, double last) const { return {first, last, at(first), at(last)}; }
+};
+
+/// Pieces in order along a line, without overlap.
+using Pieces = std::vector<Piece>;
+
+/// All of one, and of the other what the first leaves open: for a line along an edge, which both triangles have.
+Pieces with_gaps_filled(const Pieces& first, const Pieces& second) {
+  Pieces all = first;
+  auto next = first.begin();
+  for (const Piece& piece : second) {
+    while (next != first.end() && next->to <= piece.from) ++next;
+    double open = piece.from;
+    for (auto taken = next; taken != first.end() && taken->from < piece.to; ++taken) {
+      if (taken->from > open) all.push_back(piece.part(open, taken->from));
+      open = std::max(open, taken->to);
+    }
+    if (open < piece.to) all.push_back(piece.part(open, piece.to));
+  }
+  std::sort(all.begin(), all.end(), [](const Piece& a, const Piece& b) { return a.from < b.from; });
+  return all;
+}
+
+/// Cuts one straight line at the edges of the surface's triangles.
+class Cut {
+ public:
+  Cut(Surface& surface, Place begin, Place end) : surface_(surface), begin_(begin), end_(end) {}
+
+  [[nodiscard]] Pieces run(GridRect extent) {
+    Pieces all;
+    double from = 0, to = 1;
+    clip(begin_.col - extent.first.col, end_.col - extent.first.col, from, to);
+    clip(extent.last.col - begin_.col, extent.last.col - end_.col, from, to);
+    clip(begin_.row - extent.first.row, end_.row - extent.first.row, from, to);
+    clip(extent.last.row - begin_.row, extent.last.row - end_.row, from, to);
+    for (const Triangle& root : surface_.roots()) {
+      double in = from, out = to;
+      const std::array<GridPoint, 3> around{root.apex, root.left, root.right};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const GridPoint a = around[i], b = around[(i + 1) % 3], within = around[(i + 2) % 3];
+        const auto side = [&](Place p) {
+          return (b.col - a.col) * (p.row - a.row) - (b.row - a.row) * (p.col - a.col);
+        };
+        const double sign = side({double(within.col), double(within.row)}) > 0 ? 1 : -1;
+        clip(sign * side(begin_), sign * side(end_), in, out);
+      }
+      if (in < out) all = with_gaps_filled(all, pieces(root, in, out));
+    }
+    return all;
+  }
+
+ private:
+  [[nodiscard]] Place at(double share) const {
+    // From the nearer end, so that both ends are themselves.
+    if (share <= 0.5) {
+      return {begin_.col + (end_.col - begin_.col) * share, begin_.row + (end_.row - begin_.row) * share};
+    }
+    const double back = 1 - share;
+    return {end_.col + (begin_.col - end_.col) * back, end_.row + (begin_.row - end_.row) * back};
+  }
+
+  /// Leaves of from..to what is on the side where a distance, linear along the line, is not negative.
+  static void clip(double distance_begin, double distance_end, double& from, double& to) {
+    if (distance_begin < 0 && distance_end < 0) {
+      to = from;
+    } else if (distance_begin < 0) {
+      from = std::max(from, distance_begin / (distance_begin - distance_end));
+    } else if (distance_end < 0) {
+      to = std::min(to, distance_begin / (distance_begin - distance_end));
+    }
+  }
+
+  /// Of the line from one share to another, which is within the triangle.
+  [[nodiscard]] Pieces pieces(const Triangle& t, double from, double to) {
+    Pieces found;
+    if (!surface_.may_hold(t)) return found;
+    if (!surface_.is_split(t)) {
+      if (const std::optional<Facet> facet = surface_.facet(t)) {
+        found.push_back({from, to, facet->at(at(from)), facet->at(at(to))});
+      }
+      return found;
+    }
+    const SplitLine line(t);
+    const double sign = line.side(t.left) > 0 ? 1 : -1;  // positive: on the left half's side
+    const double begin = sign * line.side(begin_), end = sign * line.side(end_);
+    if (begin == 0 && end == 0) {  // along the edge between both
+      return with_gaps_filled(pieces(left_half(t), from, to), pieces(right_half(t), from, to));
+    }
+    const double crossing = begin == end ? -1 : begin / (begin - end);
+    if (crossing > from && crossing < to) {
+      const bool left_first = begin > end;
+      found = pieces(left_first ? left_half(t) : right_half(t), from, crossing);
+      const Pieces rest = pieces(left_first ? right_half(t) : left_half(t), crossing, to);
+      found.insert(found.end(), rest.begin(), rest.end());
+      return found;
+    }
+    const double middle = from + (to - from) / 2;
+    return pieces(begin + (end - begin) * middle >= 0 ? left_half(t) : right_half(t), from, to);
+  }
+
+  Surface& surface_;
+  Place begin_, end_;
+};
+
+/// A vertex of the cut, before any is left out.
+struct CutVertex {
+  std::size_t stretch = 0;  ///< between two of the line's points
+  double share = 0;         ///< of that stretch
+  double height = 0;        ///< code
+  bool stays = false;
+};
+
+/// The surface along the line: parts, vertices wherever an edge is crossed.
+std::vector<std::vector<CutVertex>> cut(Surface& surface, const Description& d, const Longitudes& longitudes,
+                                        std::span<const Position> line) {
+  std::vector<std::vector<CutVertex>> parts;
+  bool goes_on = false;  // the last part reaches the end of the stretch before
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    if (line[i] == line[i + 1]) continue;
+    // A raster that goes around the globe may have the two ends of a stretch at its own two ends.
+    const std::vector<double> shifts = longitudes.shifts(line[i].x, line[i + 1].x, d.extent);
+    const double seam = shifts.size() > 1 ? 1e-12 : 0;
+    Pieces pieces;
+    for (const double shift : shifts) {
+      const auto place = [&](Position p) { return grid_place(d.mapping, {p.x + shift, p.y}); };
+      pieces = with_gaps_filled(pieces, Cut(surface, place(line[i]), place(line[i + 1])).run(d.extent));
+    }
+    double reached = 0;
+    for (const Piece& piece : pieces) {
+      if (!goes_on || piece.from > reached + seam) {
+        if (!parts.empty()) parts.back().back().stays = true;
+        parts.emplace_back();
+        goes_on = false;
+      }
+      const bool is_first = parts.back().empty();
+      if (is_first || piece.from == 0) {
+        // A point of the line between two stretches is one vertex; it is the later stretch's beginning.
+        if (!is_first) parts.back().pop_back();
+        parts.back().push_back({i, piece.from, piece.height_from, true});
+      }
+      parts.back().push_back({i, piece.to, piece.height_to, piece.to == 1});
+      reached = piece.to;
+      goes_on = true;
+    }
+    goes_on = goes_on && !pieces.empty() && reached == 1;
+  }
+  if (!parts.empty()) parts.back().back().stays = true;
+  return parts;
+}
+
+/// Leaves out vertices of a part as long as the straight line past them is within `slack` of each: of those ends that
+/// would do the last before the slopes that pass all vertices between have nothing in common. `place` is where a vertex
+/// stands along its stretch.
+template <class Take>
+void thin(const std::vector<CutVertex>& part, double slack, Take&& take) {
+  take(part.front());
+  for (std::size_t anchor = 0; anchor + 1 < part.size();) {
+    double lowest = -std::numeric_limits<double>::infinity(), highest = -lowest;
+    std::size_t last = anchor + 1;
+    // A point of the line ends one stretch at share 1 and begins the next at 0; it stands as the latter.
+    const std::size_t stretch = part[anchor].stretch;
+    for (std::size_t i = anchor + 1; i < part.size(); ++i) {
+      const double run = (part[i].stretch == stretch ? part[i].share : 1) - part[anchor].share;
+      const double rise = part[i].height - part[anchor].height;
+      if (rise >= lowest * run && rise <= highest * run) last = i;
+      if (part[i].stays) break;
+      lowest = std::max(lowest, (rise - slack) / run);
+      highest = std::min(highest, (rise + slack) / run);
+      if (lowest > highest) break;
+    }
+    take(part[last]);
+    anchor = last;
+  }
+}
+
+void require_line(std::span<const Position> line) {
+  if (line.size() < 2) {
+    throw Failure(Cause::invalid_argument, fmt::format("a line of {} points: expected two or more", line.size()));
+  }
+  for (const Position p : line) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) {
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("a line through {},{}: expected finite coordinates", p.x, p.y));
+    }
+  }
+  if (std::all_of(line.begin(), line.end(), [&](Position p) { return p == line.front(); })) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("a line that stays at {},{}: expected two different points", line[0].x, line[0].y));
+  }
+}
+
+}  // namespace
+
+Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<const Position> asked,
+                Metres tolerance) {
+  const auto started = std::chrono::steady_clock::now();
+  const Longitudes longitudes = pages.longitudes();
+  const std::vector<Position> line = longitudes.short_way(asked);
+  require_line(line);
+  require_tolerance(tolerance);
+  const Description& d = pages.manifest().description;
+  Profile result;
+  result.tolerance = tolerance;
+  result.cost = pages.cost_of_header();
+
+  Surface surface(pages, border, Metres{tolerance.value / 2}, result.cost);
+  const double surface_bound = surface.bound();
+  // What the surface leaves of the tolerance: nothing where it needs all or more.
+  double left = 0;
+  if (surface_bound < tolerance.value) left = tolerance.value - surface_bound;
+  if (std::isinf(tolerance.value)) left = tolerance.value;
+  result.bound = Metres{surface_bound + left};
+  // Heights where edges are crossed are rounded: by less than a nanometre, which the vertices that are left out pay.
+  constexpr double kRounding = 1e-9;
+  const double slack = std::max(0.0, left - kRounding) / pages.distance().metres(1);
+
+  const Ground ground(d.crs_wkt);
+  std::vector<double> begins{0};  // of stretches, in metres
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) begins.push_back(begins[i] + ground.metres(line[i], line[i + 1]));
+  result.length_m = begins.back();
+
+  for (const auto& part : cut(surface, d, longitudes, line)) {
+    std::vector<ProfileVertex>& vertices = result.parts.emplace_back();
+    thin(part, slack, [&](const CutVertex& v) {
+      const Position a = line[v.stretch], b = line[v.stretch + 1];
+      const Position p = v.share == 1 ? b : Position{a.x + (b.x - a.x) * v.share, a.y + (b.y - a.y) * v.share};
+      vertices.push_back({begins[v.stretch] + ground.metres(a, p), p.x, p.y, d.step.value(v.height)});
+    });
+  }
+  result.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return result;
+}
+
+}  // namespace talus

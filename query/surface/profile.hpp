@@ -1,0 +1,13 @@
+#pragma once
+// A surface along a line. See Snapshot::profile.
+
+#include <span>
+
+#include "query/surface/surface.hpp"
+
+namespace talus {
+
+[[nodiscard]] Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<const Position> line,
+                              Metres tolerance);
+
+}  // namespace talus

@@ -1,0 +1,176 @@
+#include "query/surface/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "query/selection/refusals.hpp"
+
+namespace talus {
+namespace {
+
+bool is_finest(const Triangle& t) {
+  return (((t.left.col ^ t.right.col) | (t.left.row ^ t.right.row)) & 1) != 0;  // no sample in the middle
+}
+
+bool inside(const Triangle& t, GridRect r) { return r.contains(t.apex) && r.contains(t.left) && r.contains(t.right); }
+
+/// Which of its apex's four triangles a triangle is: a bit of RestrictedQuadtree::covers.
+unsigned bit_of(const Triangle& t) {
+  const std::array<Triangle, 4> around = apex_triangles(t.apex);
+  for (unsigned i = 0; i < around.size(); ++i) {
+    if ((around[i].left == t.left && around[i].right == t.right) ||
+        (around[i].left == t.right && around[i].right == t.left)) {
+      return 1u << i;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+Place grid_place(const GridMapping& m, Position p) {
+  constexpr double kOnLine = 1e-6;
+  const auto on_line = [](double v) {
+    const double line = std::nearbyint(v);
+    return std::abs(v - line) <= kOnLine ? line : v;
+  };
+  return {on_line((p.x - m.x0) / m.dx), on_line((p.y - m.y0) / m.dy)};
+}
+
+double Facet::at(Place p) const {
+  const GridPoint a = corners.apex, l = corners.left, r = corners.right;
+  const auto along = [&](GridPoint corner) {
+    const double cols = corner.col - a.col, rows = corner.row - a.row;
+    return ((p.col - a.col) * cols + (p.row - a.row) * rows) / (cols * cols + rows * rows);
+  };
+  return apex + along(l) * (left - apex) + along(r) * (right - apex);  // the legs stand at a right angle
+}
+
+Surface::Surface(const StoredPages& pages, const ExtentBorder& border, Metres tolerance, QueryCost& cost)
+    : pages_(pages),
+      border_(border),
+      extent_(pages.manifest().description.extent),
+      tolerance_(std::max(pages.manifest().description.kept_above(),
+                          tolerance.value - pages.manifest().description.lossy_metres)),
+      threshold_(largest_code_within(tolerance_)),
+      nearby_(pages, cost) {
+  require_tolerance(tolerance);
+  if (pages.manifest().description.kept_above() > 0) kept_heights_.emplace(pages, cost);
+  if (extent_.cols() < 2 || extent_.rows() < 2) return;  // no area, no triangle
+  const std::int32_t half = root_side(extent_) / 2;
+  for (const std::int32_t row : {-half, half}) {
+    for (const std::int32_t col : {-half, half}) {
+      const Diamond d = diamond({col, row});
+      for (const GridPoint apex : d.apexes) {
+        const Triangle root{apex, d.ends[0], d.ends[1]};
+        if (may_hold(root)) roots_.push_back(root);
+      }
+    }
+  }
+}
+
+bool Surface::may_hold(const Triangle& t) const {
+  const auto [west, east] = std::minmax({t.apex.col, t.left.col, t.right.col});
+  const auto [north, south] = std::minmax({t.apex.row, t.left.row, t.right.row});
+  return west < extent_.last.col && east > extent_.first.col && north < extent_.last.row && south > extent_.first.row;
+}
+
+PageId Surface::page_with(GridPoint p) const { return page_of(p, band_of(p, pages_.manifest().bands)); }
+
+bool Surface::is_split(const Triangle& t) {
+  if (is_finest(t)) return false;
+  // The border has every triangle split that leaves the extent.
+  return !inside(t, extent_) || is_selected(midpoint(t.left, t.right));
+}
+
+bool Surface::is_selected(GridPoint p) {
+  const PageId id = page_with(p);
+  const ChildEntry& entry = nearby_.entry(id);
+  // Vertices amid voids may stand in pages that were never stored; no triangle with data needs them.
+  if (!entry.present) return false;
+  if (entry.largest <= threshold_ && !border_.contains(p)) return false;  // without reading the page
+  const Page& page = *nearby_.page(id);
+  const std::size_t i =
+      page.index((p.col >> page.grid.shift) - page.grid.first.col, (p.row >> page.grid.shift) - page.grid.first.row);
+  return page.errors[i] > threshold_ ||
+         (page.is_implied(i) && pages_.distance().metres(page.implied_distance(i)) > tolerance_) || border_.contains(p);
+}
+
+std::optional<Facet> Surface::facet(const Triangle& t) {
+  if (!inside(t, extent_)) return std::nullopt;
+  const Page* page = nearby_.page(page_with(t.apex));
+  if (page == nullptr) return std::nullopt;
+  if (!page->covers.empty()) {
+    const std::size_t i = page->index((t.apex.col >> page->grid.shift) - page->grid.first.col,
+                                      (t.apex.row >> page->grid.shift) - page->grid.first.row);
+    if ((page->covers[i] & bit_of(t)) == 0) return std::nullopt;
+  }
+  return Facet{t, corner(t.apex), corner(t.left), corner(t.right)};
+}
+
+double Surface::corner(GridPoint p) {
+  const PageId id = page_with(p);
+  const Page* page = nearby_.page(id);
+  if (page == nullptr) {
+    throw Failure(Cause::corrupt,
+                  fmt::format("corrupt: {}: page {}/{} of band {} is missing: a triangle stands on it",
+                              pages_.file().string(), id.x, id.y, id.band),
+                  pages_.file());
+  }
+  const std::int32_t col = (p.col >> page->grid.shift) - page->grid.first.col;
+  const std::int32_t row = (p.row >> page->grid.shift) - page->grid.first.row;
+  if (kept_heights_ && !kept_heights_->is_kept(*page, col, row)) return kept_heights_->at(p);
+  return page->heights[page->index(col, row)];
+}
+
+std::optional<double> Surface::height(Place p) {
+  if (!contains(extent_, p)) return std::nullopt;
+  for (const Triangle& root : roots_) {
+    const double half = 0.5 * root_side(extent_);
+    const GridPoint middle = midpoint(root.left, root.right);
+    if (std::abs(p.col - middle.col) > half || std::abs(p.row - middle.row) > half) continue;
+    // A root square is cut along its diagonal; on which side of it a place is, is the side it is of the split line's
+    // right angle.
+    const std::int64_t right = root.right.col - root.left.col, down = root.right.row - root.left.row;
+    const auto side = [&](double col, double row) {
+      return static_cast<double>(right) * (row - root.left.row) - static_cast<double>(down) * (col - root.left.col);
+    };
+    if (side(p.col, p.row) * side(root.apex.col, root.apex.row) < 0) continue;
+    if (const auto found = height(root, p)) return found;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> Surface::height(const Triangle& root, Place p) {
+  Triangle t = root;
+  while (is_split(t)) {
+    const SplitLine line(t);
+    const double side = line.side(p);
+    const Triangle left = left_half(t), right = right_half(t);
+    if (side == 0) {  // on both: one of them may be beyond the extent, or void
+      if (may_hold(left)) {
+        if (const auto found = height(left, p)) return found;
+      }
+      t = right;
+    } else {
+      t = side * line.side(t.left) > 0 ? left : right;
+    }
+    if (!may_hold(t)) return std::nullopt;
+  }
+  const std::optional<Facet> found = facet(t);
+  return found ? std::optional(found->at(p)) : std::nullopt;
+}
+
+double Surface::bound() const {
+  // As of an answer, but for what the vertices that are absent happen to reach.
+  const Description& d = pages_.manifest().description;
+  if (d.error_kind == ErrorKind::midpoint) return std::numeric_limits<double>::infinity();
+  constexpr double kDecimalRounding = 1e-9;
+  const bool heights_are_exact = pages_.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
+  return tolerance_ + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);
+}
+
+}  // namespace talus

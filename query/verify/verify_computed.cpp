@@ -1,0 +1,515 @@
+#include "query/verify/verify_computed.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/tile/coarse_levels.hpp"
+#include "query/geo/ground.hpp"
+
+namespace talus {
+namespace {
+
+bool is_same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+
+GridRect tiles_of(GridRect extent) {
+  return {{(extent.first.col - kBlockSide) >> kTileShift, (extent.first.row - kBlockSide) >> kTileShift},
+          {(extent.last.col + kBlockSide) >> kTileShift, (extent.last.row + kBlockSide) >> kTileShift}};
+}
+
+GridRect square_of(TileId id) { return page_square({1, id.x, id.y}); }
+/// What a finding about a tile is about: its square, or what it is computed from where that lies beyond all samples.
+GridRect place_of(TileId id, GridRect extent) {
+  return overlap(square_of(id), extent) ? square_of(id) : tile_window(id, extent);
+}
+
+/// What all computing has in common.
+struct Rules {
+  explicit Rules(const Manifest& m)
+      : manifest(m),
+        extent(m.description.extent),
+        distance(m.description.step, m.description.metres_per_unit),
+        ground(Ground(m.description.crs_wkt).scale_of(m.description.mapping, extent)),
+        dropped(m.description.kept_above() > 0 ? std::optional(largest_code_within(m.description.kept_above()))
+                                               : std::nullopt) {}
+
+  [[nodiscard]] GroundSide side() const {
+    return [this](const HalfDiamond& t) { return ground.longest_side(t.a, t.b, t.apex).value; };
+  }
+  [[nodiscard]] ErrorRule rule() const {
+    return {manifest.description.error_kind, manifest.description.error_metric,
+            [this](std::int32_t row) { return ground.cell(row); }};
+  }
+
+  const Manifest& manifest;
+  GridRect extent;
+  CodeDistance distance;
+  GroundScale ground;
+  std::optional<ErrorCode> dropped;  ///< not all samples were kept: errors up to this one may be said to be 0
+};
+
+/// Holds a page against what was computed: error(p), covers(p), height(p), is_data(p). Null: a page that is not stored.
+/// Says the first difference, if there is one.
+template <class Computed>
+std::string difference(const Rules& rules, const PageGrid& grid, PageId id, const Page* page,
+                       const Computed& computed) {
+  const GridRect& extent = rules.extent;
+  for (std::int32_t row = 0; row < grid.rows; ++row) {
+    for (std::int32_t col = 0; col < grid.cols; ++col) {
+      const GridPoint p = grid.at(col, row);
+      if (band_of(p, rules.manifest.bands) != id.band) continue;
+      const std::size_t i =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
+      const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
+      ErrorCode error = computed.error(p);
+      const ErrorCode said = page == nullptr ? ErrorCode{0} : page->error(i, rules.distance);
+      if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
+      if (error != said)
+        return fmt::format("error {} m {}, the samples say {} m", error_of(said), at(), error_of(error));
+      const bool is_data = page != nullptr && (page->valid.empty() || page->valid[i] != 0);
+      if (is_data != computed.is_data(p))
+        return fmt::format("{} {}, where it should be {}", is_data ? "a sample" : "no data", at(),
+                           is_data ? "no data" : "a sample");
+      const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
+                                  : page->covers.empty() ? std::uint8_t{15}
+                                                         : page->covers[i];
+      if (spacing(p) != kRootSpacing) {
+        const std::uint8_t wanted = computed.covers(p);
+        const auto triangles = apex_triangles(p);
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+          if (!extent.contains(triangles[t].left) || !extent.contains(triangles[t].right)) continue;
+          if ((covers >> t & 1) != (wanted >> t & 1))
+            return fmt::format("triangle {} {} is said to hold {}, which is not so", t, at(),
+                               (covers >> t & 1) != 0 ? "data" : "no data");
+        }
+      }
+      if (page == nullptr || covers == 0 || page->is_dropped(col, row)) continue;
+      if (!is_same(page->heights[i], computed.height(p))) {
+        const HeightStep& step = rules.manifest.description.step;
+        return fmt::format("{} {} {}, {} say {}", is_data ? "height" : "fill", step.value(page->heights[i]), at(),
+                           is_data ? "records" : "the samples around it", step.value(computed.height(p)));
+      }
+    }
+  }
+  return "";
+}
+
+// ---- tiles -------------------------------------------------------------------------------------------
+
+class TileChecks {
+ public:
+  TileChecks(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1, Findings& findings,
+             VerifyReport& report)
+      : pages_(pages),
+        rules_(pages.manifest()),
+        decoded_(decoded),
+        of_band_1_(of_band_1),
+        findings_(findings),
+        report_(report) {
+    totals_.lowest = std::numeric_limits<double>::infinity();
+    totals_.highest = -totals_.lowest;
+  }
+
+  TileTotals run(const std::function<void()>& told) {
+    const GridRect tiles = tiles_of(rules_.extent);
+    pages_.transaction().for_each(kRecordTable, [&](std::uint64_t position) {
+      const PageId id = page_at(1, position);
+      if (!tiles.contains({id.x, id.y})) findings_.in(id, "there is a record of a tile that has no sample");
+    });
+    for (std::int32_t y = tiles.first.row; y <= tiles.last.row; ++y) {
+      for (std::int32_t x = tiles.first.col; x <= tiles.last.col; ++x) {
+        check({x, y});
+        told();
+      }
+    }
+    return totals_;
+  }
+
+ private:
+  void check(TileId id) {
+    const std::optional<TileSummary> record = record_of(id);
+    if (record) add(*record);
+    const bool is_read = read(id);
+    if (!is_read || !record) return;
+    if (rules_.dropped) return check_kept(id, *record);
+    const bool is_as_stored = check_pages_of(id);
+    const std::vector<std::byte> said = encode(*record);
+    if (!is_as_stored || said == encode(summary_of(id))) return;
+    // An update may have made numbers wider than those the tile was computed in: its record keeps how it was.
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      if (!compute(id, kind)) continue;
+      if (said == encode(summary_of(id))) return;
+    }
+    findings_.in(place_of(id, rules_.extent), describe(id, *record));
+  }
+
+  std::optional<TileSummary> record_of(TileId id) {
+    const PageKey key{kRecordTable, curve_position({1, id.x, id.y})};
+    const auto refuse = [&](const std::string& sentence) {
+      findings_.in(place_of(id, rules_.extent), sentence);
+      return std::nullopt;
+    };
+    try {
+      const auto stored = pages_.transaction().find(key);
+      if (!stored) return refuse(fmt::format("record of tile {}/{}: missing", id.x, id.y));
+      ++report_.records;
+      TileSummary record = decode_tile_summary(stored->content);
+      if (stored->generation != record.entry.generation)
+        return refuse(fmt::format("record of tile {}/{}: written by update {}, it says {}", id.x, id.y,
+                                  stored->generation, record.entry.generation));
+      return record;
+    } catch (const Failure& f) {
+      if (f.cause() != Cause::corrupt) throw;
+      return refuse(fmt::format("record of tile {}/{}: {}", id.x, id.y, f.what()));
+    }
+  }
+
+  void add(const TileSummary& record) {
+    totals_.valid_samples += record.valid_samples;
+    if (record.valid_samples > 0) {
+      totals_.lowest = std::min(totals_.lowest, record.lowest);
+      totals_.highest = std::max(totals_.highest, record.highest);
+    }
+    for (std::size_t i = 0; i < kErrorRungs; ++i) totals_.errors[i] += record.errors[i];
+  }
+
+  /// The samples of the tile's window; false where a page cannot be read.
+  bool read(TileId id) {
+    window_ = tile_window(id, rules_.extent);
+    const auto samples = is_empty(window_) ? std::size_t{0} : static_cast<std::size_t>(window_.samples());
+    codes_.assign(samples, 0);
+    valid_.assign(samples, 0);
+    if (samples == 0) return true;
+    const PageId first = page_of(window_.first, 0), last = page_of(window_.last, 0);
+    for (std::int32_t y = first.y; y <= last.y; ++y) {
+      for (std::int32_t x = first.x; x <= last.x; ++x) {
+        const DecodedPages::Found found = decoded_.get({0, x, y});
+        if (found.is_damaged()) return false;
+        if (found.page) copy(*found.page);
+      }
+    }
+    return true;
+  }
+  void copy(const Page& page) {
+    for_each_in(page.grid, window_, [&](std::int32_t col, std::int32_t row) {
+      const std::size_t from = page.index(col, row), to = index(page.grid.at(col, row));
+      if (!page.valid.empty() && page.valid[from] == 0) return;
+      codes_[to] = page.heights[from];
+      valid_[to] = 1;
+    });
+  }
+  [[nodiscard]] std::size_t index(GridPoint p) const {
+    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() +
+                                    (std::int64_t{p.col} - window_.first.col));
+  }
+
+  /// Computes the tile in numbers of a kind; false if they do not hold its samples.
+  bool compute(TileId id, std::size_t kind) {
+    const auto hold = [&]<class T>(T) {
+      std::vector<T> codes(codes_.size());
+      for (std::size_t i = 0; i < codes.size(); ++i) {
+        constexpr double kLowest = std::numeric_limits<T>::lowest(), kHighest = std::numeric_limits<T>::max();
+        if (!(codes_[i] >= kLowest && codes_[i] <= kHighest)) return false;
+        codes[i] = static_cast<T>(codes_[i]);
+        if (static_cast<double>(codes[i]) != codes_[i]) return false;
+      }
+      input_ = std::move(codes);
+      return true;
+    };
+    if (!(kind == 0 ? hold(std::int16_t{}) : kind == 1 ? hold(float{}) : hold(double{}))) return false;
+    const bool has_voids = std::memchr(valid_.data(), 0, valid_.size()) != nullptr;
+    TileInput input;
+    input.id = id;
+    input.extent = rules_.extent;
+    std::visit([&](const auto& codes) { input.heights = std::span(codes); }, input_);
+    if (has_voids) input.valid = valid_;
+    input.distance = rules_.distance;
+    input.ground_side = rules_.side();
+    input.void_weight = rules_.manifest.description.void_weight;
+    input.rule = rules_.rule();
+    tile_errors(input, tile_);
+    return true;
+  }
+  /// The kind that ingest takes for a source's type.
+  [[nodiscard]] std::size_t usual_kind() const {
+    const std::string& type = rules_.manifest.description.source_type;
+    return type == "Byte" || type == "Int16" ? 0 : type == "UInt16" || type == "Float32" ? 1 : 2;
+  }
+
+  struct OfTile {
+    const TileChecks& checks;
+    [[nodiscard]] ErrorCode error(GridPoint p) const {
+      const TileErrors& t = checks.tile_;
+      return t.all_void || !t.errors.holds(p) ? ErrorCode{0} : t.errors[p];
+    }
+    [[nodiscard]] std::uint8_t covers(GridPoint p) const {
+      if (checks.tile_.all_void) return 0;
+      return checks.tile_.voids ? checks.tile_.voids->apex_triangles_with_data(p) : std::uint8_t{15};
+    }
+    [[nodiscard]] bool is_data(GridPoint p) const { return checks.valid_[checks.index(p)] != 0; }
+    [[nodiscard]] double height(GridPoint p) const { return code_at(view(checks.tile_.heights), checks.index(p)); }
+  };
+
+  /// Whether all pages of bands 0 and 1 of a tile are as its samples say.
+  bool check_pages_of(TileId id) {
+    if (is_empty(window_)) return true;
+    for (std::size_t kind = usual_kind(); !compute(id, kind);) {
+      if (++kind < 3) continue;
+      findings_.in(place_of(id, rules_.extent), "heights that are no numbers");
+      return false;
+    }
+    const PageId parent{1, id.x, id.y};
+    bool is_sound = check_page(parent);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
+      is_sound = check_page(child_page(parent, i)) && is_sound;
+    return is_sound;
+  }
+  bool check_page(PageId id) {
+    const PageGrid grid = page_grid(id, rules_.extent);
+    if (grid.size() == 0) return true;
+    const DecodedPages::Found found = decoded_.get(id);
+    if (found.is_damaged()) return false;  // found before
+    const std::string sentence = difference(rules_, grid, id, found.page.get(), OfTile{*this});
+    if (sentence.empty()) return true;
+    findings_.in(id, found.page ? sentence : "not stored: " + sentence);
+    return false;
+  }
+
+  /// The record as ingest makes it.
+  [[nodiscard]] TileSummary summary_of(TileId id) const {
+    TileSummary made;
+    if (is_empty(window_)) return made;
+    made.record = tile_.record;
+    if (const auto page = of_band_1_.find(curve_position({1, id.x, id.y})); page != of_band_1_.end()) {
+      made.entry = page->second.entry;
+    } else {
+      made.entry = entry_of_no_page();
+    }
+    if (tile_.all_void) {
+      made.entry = {};
+      hold_voids(id, made.record);
+      return made;
+    }
+    const GridRect square = square_of(id);
+    std::vector<std::uint64_t> by_code(kAlwaysSelected + 1u);
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    const CodeSpan heights = view(tile_.heights);
+    for (std::int32_t row = std::max(square.first.row, window_.first.row);
+         row <= std::min(square.last.row, window_.last.row); ++row) {
+      for (std::int32_t col = std::max(square.first.col, window_.first.col);
+           col <= std::min(square.last.col, window_.last.col); ++col) {
+        const GridPoint p{col, row};
+        const std::size_t i = index(p);
+        if (valid_[i] != 0) {
+          ++made.valid_samples;
+          lowest = std::min(lowest, codes_[i]);
+          highest = std::max(highest, codes_[i]);
+        }
+        if (spacing(p) < kBlockSide) {
+          ++by_code[tile_.errors[p]];
+        } else {
+          const auto post = static_cast<std::size_t>((row - square.first.row) / kBlockSide * kTileBlocks +
+                                                     (col - square.first.col) / kBlockSide);
+          made.posts[post] = code_at(heights, i);
+          made.post_valid[post] = valid_[i];
+        }
+      }
+    }
+    if (made.valid_samples > 0) {
+      const HeightStep& step = rules_.manifest.description.step;
+      made.lowest = std::min(step.value(lowest), step.value(highest));
+      made.highest = std::max(step.value(lowest), step.value(highest));
+    }
+    for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
+      for (std::size_t code = largest_code_within(error_rung(rung)) + 1u; code < by_code.size(); ++code)
+        made.errors[rung] += by_code[code];
+    }
+    return made;
+  }
+  /// Of a tile with data near it whose page of band 1 has nothing to say.
+  static ChildEntry entry_of_no_page() {
+    ChildEntry entry;
+    entry.lowest = std::numeric_limits<float>::infinity();
+    entry.highest = -entry.lowest;
+    return entry;
+  }
+
+  /// Without any data, all halves inside the extent are void, and all vertices without a fill.
+  void hold_voids(TileId id, TileRecord& record) const {
+    const GridRect closed = closed_tile(id);
+    const auto halves_of = [&](GridPoint p) {
+      std::uint8_t holds = 0;
+      for (const int side : {0, 1}) {
+        const HalfDiamond t = half_diamond(p, side);
+        if (inside(t, closed) && inside(t, rules_.extent))
+          holds = static_cast<std::uint8_t>(holds | kVoid << (2 * side));
+      }
+      return holds;
+    };
+    for (std::int32_t i = 0; i < kTileBlocks * kTileBlocks; ++i) {
+      const GridPoint corner{closed.first.col + i % kTileBlocks * kBlockSide,
+                             closed.first.row + i / kTileBlocks * kBlockSide};
+      record.blocks[static_cast<std::size_t>(i)].holds =
+          halves_of({corner.col + kBlockSide / 2, corner.row + kBlockSide / 2});
+    }
+    for (std::int32_t i = 0; i < TileRecord::kAcross * TileRecord::kAcross; ++i) {
+      const GridPoint p{closed.first.col + i % TileRecord::kAcross * kBlockSide,
+                        closed.first.row + i / TileRecord::kAcross * kBlockSide};
+      if (!rules_.extent.contains(p)) continue;
+      record.holds[static_cast<std::size_t>(i)] =
+          static_cast<std::uint8_t>(TileRecord::kNoFill | (spacing(p) < kTileSide ? halves_of(p) : 0));
+    }
+  }
+
+  /// What of a record differs.
+  [[nodiscard]] std::string describe(TileId id, const TileSummary& said) {
+    compute(id, usual_kind());
+    const TileSummary made = summary_of(id);
+    const auto sentence = [&](const std::string& what) {
+      return fmt::format("record of tile {}/{}: {}", id.x, id.y, what);
+    };
+    for (std::size_t i = 0; i < TileSummary::kPosts; ++i) {
+      if (is_same(said.posts[i], made.posts[i]) && said.post_valid[i] == made.post_valid[i]) continue;
+      return sentence(fmt::format("it repeats a height of {} where the page has {}", said.posts[i], made.posts[i]));
+    }
+    if (!(said.entry == made.entry)) return sentence("it says other things of the tile's page than that page");
+    if (said.valid_samples != made.valid_samples)
+      return sentence(fmt::format("{} samples are data, it says {}", made.valid_samples, said.valid_samples));
+    if (said.lowest != made.lowest || said.highest != made.highest)
+      return sentence(
+          fmt::format("heights {} to {}, it says {} to {}", made.lowest, made.highest, said.lowest, said.highest));
+    if (said.errors != made.errors) return sentence("its counts of errors are not those of the tile's pages");
+    return sentence("it is not what follows from the tile's samples");
+  }
+
+  /// Of a record, where not all samples were kept: what pages still say.
+  void check_kept(TileId id, const TileSummary& said) {
+    const auto refuse = [&](const std::string& what) {
+      findings_.in(place_of(id, rules_.extent), fmt::format("record of tile {}/{}: {}", id.x, id.y, what));
+    };
+    const auto page = of_band_1_.find(curve_position({1, id.x, id.y}));
+    const bool is_stored = page != of_band_1_.end();
+    if (is_stored && !page->second.is_readable) return;
+    if (said.entry.present != is_stored) return refuse("it says other things of the tile's page than that page");
+    if (is_stored) {
+      const ChildEntry& made = page->second.entry;
+      if (said.entry.largest != made.largest || said.entry.generation != made.generation ||
+          said.entry.lowest > made.lowest || said.entry.highest < made.highest)
+        return refuse("it says other things of the tile's page than that page");
+    }
+    const GridRect square = square_of(id);
+    std::uint64_t valid = 0;
+    if (!is_empty(window_)) {
+      for (std::int32_t row = std::max(square.first.row, window_.first.row);
+           row <= std::min(square.last.row, window_.last.row); ++row) {
+        for (std::int32_t col = std::max(square.first.col, window_.first.col);
+             col <= std::min(square.last.col, window_.last.col); ++col)
+          valid += valid_[index({col, row})];
+      }
+    }
+    if (valid != said.valid_samples)
+      return refuse(fmt::format("{} samples are data, it says {}", valid, said.valid_samples));
+    check_kept_counts(id, said, refuse);
+  }
+  template <class Refuse>
+  void check_kept_counts(TileId id, const TileSummary& said, Refuse&& refuse) {
+    std::vector<std::uint64_t> by_code(kAlwaysSelected + 1u);
+    const auto count = [&](PageId page_id) {
+      const DecodedPages::Found found = decoded_.get(page_id);
+      if (!found.page) return !found.is_damaged();
+      const Page& page = *found.page;
+      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+          if (page.is_own(page.grid.at(col, row))) ++by_code[page.error(page.index(col, row), rules_.distance)];
+        }
+      }
+      return true;
+    };
+    const PageId parent{1, id.x, id.y};
+    bool is_whole = count(parent);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
+      is_whole = count(child_page(parent, i)) && is_whole;
+    if (!is_whole) return;
+    for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
+      const ErrorCode within = largest_code_within(error_rung(rung));
+      if (within < *rules_.dropped) continue;
+      std::uint64_t above = 0;
+      for (std::size_t code = within + 1u; code < by_code.size(); ++code) above += by_code[code];
+      if (above != said.errors[rung]) return refuse("its counts of errors are not those of the tile's pages");
+    }
+  }
+
+  const StoredPages& pages_;
+  Rules rules_;
+  DecodedPages& decoded_;
+  const CheckedPages& of_band_1_;
+  Findings& findings_;
+  VerifyReport& report_;
+  TileTotals totals_;
+  GridRect window_{{0, 0}, {-1, -1}};
+  std::vector<double> codes_;
+  std::vector<std::uint8_t> valid_;
+  Codes input_;
+  TileErrors tile_;
+};
+
+// ---- coarse levels -----------------------------------------------------------------------------------
+
+struct OfLevels {
+  const CoarseLevels& levels;
+  [[nodiscard]] ErrorCode error(GridPoint p) const { return levels.error(p); }
+  [[nodiscard]] std::uint8_t covers(GridPoint p) const {
+    return height_in_tree(p) >= levels.root_height() || !levels.has_voids() ? std::uint8_t{15}
+                                                                            : levels.apex_triangles_with_data(p);
+  }
+  [[nodiscard]] bool is_data(GridPoint p) const { return levels.is_valid(p); }
+  [[nodiscard]] double height(GridPoint p) const { return levels.height(p); }
+};
+
+}  // namespace
+
+TileTotals check_tiles(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1,
+                       Findings& findings, VerifyReport& report, const std::function<void()>& told) {
+  return TileChecks(pages, decoded, of_band_1, findings, report).run(told);
+}
+
+std::uint64_t tiles_in(GridRect extent) { return static_cast<std::uint64_t>(tiles_of(extent).samples()); }
+
+void check_coarse(const StoredPages& pages, DecodedPages& decoded, Findings& findings) {
+  const Rules rules(pages.manifest());
+  const ReadTxn& txn = pages.transaction();
+  CoarseLevels levels(rules.extent, rules.distance, rules.side(), rules.manifest.description.void_weight, rules.rule());
+  const ForEachTile tiles = [&](const auto& visit) {
+    txn.for_each(kRecordTable, [&](std::uint64_t position) {
+      const PageId id = page_at(1, position);
+      visit({id.x, id.y}, decode_tile_summary(txn.find({kRecordTable, position})->content));
+      txn.forget({kRecordTable, position});
+    });
+  };
+  DecodedPages::Found held;
+  const ReadBack read_back = [&](PageId id) -> const Page* {
+    held = decoded.get(id);
+    return held.page.get();
+  };
+  levels.settle(tiles, rules.dropped ? ReadBack() : read_back);
+  for (int band = kFewestBands - 1; band < rules.manifest.bands; ++band) {
+    for (const PageId id : pages_of_band(band, rules.extent)) {
+      const DecodedPages::Found found = decoded.get(id);
+      if (found.is_damaged()) continue;
+      const std::string sentence =
+          difference(rules, page_grid(id, rules.extent), id, found.page.get(), OfLevels{levels});
+      if (!sentence.empty()) findings.in(id, found.page ? sentence : "not stored: " + sentence);
+    }
+  }
+}
+
+}  // namespace talus

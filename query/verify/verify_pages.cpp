@@ -1,0 +1,245 @@
+#include "query/verify/verify_pages.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace talus {
+namespace {
+
+class PageChecks {
+ public:
+  PageChecks(const StoredPages& pages, DecodedPages& decoded, Findings& findings, VerifyReport& report,
+             const std::function<void()>& told)
+      : pages_(pages),
+        manifest_(pages.manifest()),
+        extent_(manifest_.description.extent),
+        drops_(manifest_.description.kept_above() > 0),
+        dropped_(drops_ ? largest_code_within(manifest_.description.kept_above()) : ErrorCode{0}),
+        decoded_(decoded),
+        findings_(findings),
+        report_(report),
+        told_(told) {}
+
+  CheckedPages run() {
+    CheckedPages of_band_1;
+    for (int band = 0; band < manifest_.bands; ++band) {
+      CheckedPages here;
+      std::vector<PageId> stored;
+      pages_.transaction().for_each(
+          band, [&](std::uint64_t position) { stored.push_back(page_at(band, position)); },
+          [&](std::uint64_t first, const Failure& f) {
+            findings_.in(page_square(parent_page(page_at(band, first))), f.what());
+            for (std::uint64_t i = 0; i < kShelfPages; ++i) here[first + i].is_readable = false;
+          });
+      for (const PageId id : stored) visit(id, here);
+      for (const auto& [position, page] : below_) {
+        const PageId id = page_at(band - 1, position);
+        if (band > 0 && page.entry.present && !here.contains(curve_position(parent_page(id))))
+          findings_.in(id, "the page above it is missing");
+      }
+      if (band == 1) of_band_1 = here;
+      below_ = std::move(here);
+    }
+    check_tops();
+    for (int band = manifest_.bands; band < kRecordTable; ++band) {
+      pages_.transaction().for_each(
+          band,
+          [&](std::uint64_t position) {
+            findings_.in(page_at(band, position),
+                         fmt::format("a database of {} bands has no such page", manifest_.bands));
+          },
+          [](std::uint64_t, const Failure&) {});
+    }
+    return of_band_1;
+  }
+
+ private:
+  void visit(PageId id, CheckedPages& here) {
+    ++report_.pages;
+    told_();
+    if (!overlap(page_square(id), extent_)) return findings_.in(id, "outside the extent");
+    const DecodedPages::Found found = decoded_.get(id);
+    CheckedPage& checked = here[curve_position(id)];
+    checked.entry.present = true;
+    if (!found.page) {
+      checked.is_readable = false;
+      return findings_.in(page_square(id), found.is_damaged() ? found.damage : name_of(id) + ": missing");
+    }
+    if (found.generation > manifest_.generation) {
+      findings_.in(
+          id, fmt::format("written by update {}, the database has had {}", found.generation, manifest_.generation));
+    }
+    check_own(*found.page);
+    check_against_above(*found.page);
+    checked.entry = with_children(*found.page);
+    checked.entry.generation = found.generation;
+  }
+
+  /// Errors of own vertices; each kind of finding once a page.
+  void check_own(const Page& page) {
+    if (page.drops_heights && !drops_)
+      findings_.in(page.id, "heights were left out, the header says that all were kept");
+    bool is_found = false;
+    for (std::int32_t row = 0; row < page.grid.rows && !is_found; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols && !is_found; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        if (!page.is_own(p) || spacing(p) == kRootSpacing) continue;
+        const ErrorCode own = page.error(page.index(col, row), pages_.distance());
+        if (own > dropped_) is_found = !are_parents_above(page, p, own);
+      }
+    }
+  }
+
+  [[nodiscard]] bool are_parents_above(const Page& page, GridPoint p, ErrorCode own) {
+    for (const GridPoint parent : diamond(p).apexes) {
+      if (!extent_.contains(parent)) continue;
+      const PageId id = page_of(parent, band_of(parent, manifest_.bands));
+      std::shared_ptr<const Page> other;
+      const Page* there = &page;
+      if (!(id == page.id)) {
+        const DecodedPages::Found found = decoded_.get(id);
+        if (found.is_damaged()) continue;  // found there
+        other = found.page;
+        there = other.get();
+      }
+      const ErrorCode above = there == nullptr ? ErrorCode{0} : error_at(*there, parent);
+      if (above >= own) continue;
+      findings_.in(page_square(id),
+                   fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex of {} that depends on it",
+                               name_of(id), error_of(above), parent.col, parent.row, error_of(own), name_of(page.id)));
+      return false;
+    }
+    return true;
+  }
+  [[nodiscard]] ErrorCode error_at(const Page& page, GridPoint p) const {
+    const std::int32_t col = (p.col >> page.grid.shift) - page.grid.first.col;
+    const std::int32_t row = (p.row >> page.grid.shift) - page.grid.first.row;
+    return page.error(page.index(col, row), pages_.distance());
+  }
+
+  /// Samples that the page above has, too.
+  void check_against_above(const Page& page) {
+    if (page.id.band + 1 >= manifest_.bands) return;
+    const DecodedPages::Found found = decoded_.get(parent_page(page.id));
+    if (!found.page) return;  // found there
+    const Page& above = *found.page;
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        const GridPoint p = page.grid.at(col, row);
+        if (page.is_own(p)) continue;
+        const std::size_t here = page.index(col, row);
+        const std::int32_t above_col = (p.col >> above.grid.shift) - above.grid.first.col;
+        const std::int32_t above_row = (p.row >> above.grid.shift) - above.grid.first.row;
+        const std::size_t there = above.index(above_col, above_row);
+        const bool is_data = page.valid.empty() || page.valid[here] != 0;
+        const bool is_data_above = above.valid.empty() || above.valid[there] != 0;
+        if (is_data == is_data_above &&
+            (!is_data || above.is_dropped(above_col, above_row) ||
+             std::bit_cast<std::uint64_t>(page.heights[here]) == std::bit_cast<std::uint64_t>(above.heights[there])))
+          continue;
+        const HeightStep& step = manifest_.description.step;
+        const auto text = [&](bool is_sample, double code) {
+          return is_sample ? fmt::format("{}", step.value(code)) : std::string("void");
+        };
+        return findings_.in(page.id, fmt::format("the sample at column {}, row {} is {}, {} says {}", p.col, p.row,
+                                                 text(is_data, page.heights[here]), name_of(above.id),
+                                                 text(is_data_above, above.heights[there])));
+      }
+    }
+  }
+
+  /// What the page above should say of this one; its table is held against the pages below.
+  [[nodiscard]] ChildEntry with_children(const Page& page) {
+    ChildEntry entry = range_of(page, manifest_.description.step);
+    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
+      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
+        if (page.is_own(page.grid.at(col, row)))
+          entry.largest = std::max(entry.largest, page.error(page.index(col, row), pages_.distance()));
+      }
+    }
+    for (std::size_t i = 0; i < page.children.size(); ++i) {
+      const PageId below = child_page(page.id, i);
+      const auto found = below_.find(curve_position(below));
+      const bool is_there = found != below_.end();
+      const ChildEntry& said = page.children[i];
+      if (is_there && !found->second.is_readable) {
+        if (said.present) entry = joined(entry, said);
+        continue;
+      }
+      if (is_there != said.present) {
+        findings_.in(below, is_there ? "unknown to the page above it" : "missing");
+      } else if (is_there) {
+        compare(below, said, found->second.entry);
+      } else if (has_data_in(page, page_square(below))) {
+        findings_.in(below, fmt::format("not stored, but {} has samples there", name_of(page.id)));
+      }
+      if (said.present) entry = joined(entry, said);
+    }
+    return entry;
+  }
+
+  void compare(PageId below, const ChildEntry& said, const ChildEntry& found) {
+    if (said.largest != found.largest) {
+      findings_.in(below, fmt::format("largest error {} m, the page above it says {} m", error_of(found.largest),
+                                      error_of(said.largest)));
+    } else if (said.generation != found.generation) {
+      findings_.in(below,
+                   fmt::format("written by update {}, the page above it says {}", found.generation, said.generation));
+    } else if (!is_range_of(said, found)) {
+      findings_.in(below, fmt::format("heights {} to {}, the page above it says {} to {}", found.lowest, found.highest,
+                                      said.lowest, said.highest));
+    }
+  }
+
+  [[nodiscard]] static bool has_data_in(const Page& page, GridRect square) {
+    bool any = false;
+    for_each_in(page.grid, square, [&](std::int32_t col, std::int32_t row) {
+      any = any || page.valid.empty() || page.valid[page.index(col, row)] != 0;
+    });
+    return any;
+  }
+
+  /// The range is that of all samples, and some may not be there any more.
+  [[nodiscard]] bool is_range_of(const ChildEntry& said, const ChildEntry& found) const {
+    if (drops_) return said.lowest <= found.lowest && said.highest >= found.highest;
+    return said.lowest == found.lowest && said.highest == found.highest;
+  }
+
+  /// A query begins with all pages of the last band.
+  void check_tops() {
+    const auto tops = pages_of_band(manifest_.bands - 1, extent_);
+    for (std::size_t i = 0; i < tops.size(); ++i) {
+      const auto found = below_.find(curve_position(tops[i]));
+      if (found == below_.end()) {
+        findings_.in(tops[i], "missing");
+      } else if (found->second.is_readable && found->second.entry.generation != manifest_.top_generations[i]) {
+        findings_.in(tops[i], fmt::format("written by update {}, the header says {}", found->second.entry.generation,
+                                          manifest_.top_generations[i]));
+      }
+    }
+  }
+
+  const StoredPages& pages_;
+  const Manifest& manifest_;
+  GridRect extent_;
+  bool drops_;         ///< not all samples were kept
+  ErrorCode dropped_;  ///< errors up to it select nothing: pages may say 0 instead
+  DecodedPages& decoded_;
+  Findings& findings_;
+  VerifyReport& report_;
+  const std::function<void()>& told_;
+  CheckedPages below_;
+};
+
+}  // namespace
+
+CheckedPages check_pages(const StoredPages& pages, DecodedPages& decoded, Findings& findings, VerifyReport& report,
+                         const std::function<void()>& told) {
+  return PageChecks(pages, decoded, findings, report, told).run();
+}
+
+}  // namespace talus

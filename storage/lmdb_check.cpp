@@ -1,0 +1,304 @@
+#include "storage/lmdb_check.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <span>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "storage/page_store.hpp"
+#include "talus/failure.hpp"
+
+namespace talus {
+namespace {
+
+// The file format of LMDB 0.9 on 64-bit little-endian machines, data version 1.
+constexpr std::uint32_t kMagic = 0xBEEFC0DE, kDataVersion = 1;
+constexpr std::size_t kPageHeader = 16, kNodeHeader = 8;
+constexpr std::uint64_t kNoPage = ~std::uint64_t{0};
+enum PageFlag : std::uint16_t { kBranch = 1, kLeaf = 2, kOverflow = 4, kMeta = 8 };
+enum NodeFlag : std::uint16_t { kBigData = 1, kSubData = 2 };
+constexpr std::uint64_t kSmallTrees = 4096;  // branch and leaf pages walked at every open: some milliseconds
+
+struct Tree {  // MDB_db
+  std::uint32_t pad;
+  std::uint16_t flags, depth;
+  std::uint64_t branch_pages, leaf_pages, overflow_pages, entries, root;
+};
+static_assert(sizeof(Tree) == 48);
+struct Meta {
+  std::uint32_t magic, version;
+  std::uint64_t address, map_size;
+  std::array<Tree, 2> trees;  // of free pages, of tables
+  std::uint64_t last_page, transaction;
+};
+
+class File {
+ public:
+  explicit File(const std::filesystem::path& path) : path_(path), handle_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    struct stat status {};
+    if (handle_ < 0 || ::fstat(handle_, &status) != 0) {
+      const int error = errno;
+      if (handle_ >= 0) ::close(handle_);
+      throw Failure(error == ENOENT ? Cause::not_found : Cause::io,
+                    fmt::format("{}: {}", path.string(), std::strerror(error)));
+    }
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  }
+  ~File() { ::close(handle_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  void read(std::uint64_t at, void* to, std::size_t bytes) const {
+    auto* out = static_cast<char*>(to);
+    while (bytes > 0) {
+      const ssize_t got = ::pread(handle_, out, bytes, static_cast<off_t>(at));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) throw Failure(Cause::io, fmt::format("{}: cannot read at byte {}", path_.string(), at));
+      out += got;
+      at += static_cast<std::uint64_t>(got);
+      bytes -= static_cast<std::size_t>(got);
+    }
+  }
+
+ private:
+  std::filesystem::path path_;
+  int handle_;
+  std::uint64_t size_ = 0;
+};
+
+template <class T>
+T load(const std::byte* from) {
+  T value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+class Walk {
+ public:
+  explicit Walk(const std::filesystem::path& path) : file_(path) {}
+
+  /// The newer header, or a finding.
+  std::optional<Meta> headers() {
+    std::optional<Meta> newest;
+    if (file_.size() < 2 * 4096) return fail("shorter than two headers");
+    Meta first{};
+    file_.read(kPageHeader, &first, sizeof first);
+    page_bytes_ = first.trees[0].pad;
+    if (first.magic != kMagic) return fail("no LMDB header");
+    if (first.version != kDataVersion) return fail("another LMDB version");
+    if (page_bytes_ < 512 || page_bytes_ > 65536 || (page_bytes_ & (page_bytes_ - 1)) != 0)
+      return fail("impossible page size");
+    if (file_.size() < 2 * page_bytes_) return fail("shorter than two headers");
+    for (const std::uint64_t number : {0u, 1u}) {
+      std::array<std::byte, kPageHeader + sizeof(Meta)> bytes{};
+      file_.read(number * page_bytes_, bytes.data(), bytes.size());
+      const auto meta = load<Meta>(bytes.data() + kPageHeader);
+      if (load<std::uint64_t>(bytes.data()) != number || (load<std::uint16_t>(bytes.data() + 10) & kMeta) == 0 ||
+          meta.magic != kMagic || meta.version != kDataVersion || meta.trees[0].pad != page_bytes_) {
+        return fail(fmt::format("header {} is damaged", number));
+      }
+      if (!newest || meta.transaction > newest->transaction) newest = meta;
+    }
+    pages_ = newest->last_page + 1;
+    if (newest->last_page >= (std::uint64_t{1} << 47) / page_bytes_ || pages_ * page_bytes_ > file_.size()) {
+      return fail(
+          fmt::format("{} bytes long where {} pages of {} are needed: cut short", file_.size(), pages_, page_bytes_));
+    }
+    if (newest->map_size < pages_ * page_bytes_ || newest->map_size > std::uint64_t{1} << 47)
+      return fail("impossible map size");
+    return newest;
+  }
+
+  void trees(const Meta& meta) {
+    used_.assign(pages_, false);
+    for (const Tree& tree : meta.trees) {
+      lists_free_ = &tree == &meta.trees[0];
+      walk(tree, !lists_free_);
+    }
+    if (visited_ < limit_ && findings_.empty()) free_pages();
+  }
+  /// Whether more than `limit` branch and leaf pages were met; the walk ends there.
+  void limit(std::uint64_t pages) { limit_ = pages; }
+  [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
+
+ private:
+  std::nullopt_t fail(const std::string& what) {
+    if (findings_.size() < 20) findings_.push_back(what);
+    return std::nullopt;
+  }
+
+  void walk(const Tree& tree, bool holds_tables) {
+    if (tree.root == kNoPage) {
+      if (tree.entries != 0) fail("a tree with entries but no root");
+      return;
+    }
+    if (tree.depth == 0 || tree.depth > 32) {
+      fail("a tree of impossible depth");
+      return;
+    }
+    node_page(tree.root, tree.depth, holds_tables);
+  }
+
+  void node_page(std::uint64_t number, int depth, bool holds_tables) {
+    if (visited_ >= limit_ || findings_.size() >= 20) return;
+    if (number < 2 || number >= pages_) {
+      fail(fmt::format("a pointer to page {} of {}", number, pages_));
+      return;
+    }
+    ++visited_;
+    if (!use(number, 1)) return;
+    std::vector<std::byte> page(page_bytes_);
+    file_.read(number * page_bytes_, page.data(), page.size());
+    const auto flags = load<std::uint16_t>(&page[10]), lower = load<std::uint16_t>(&page[12]),
+               upper = load<std::uint16_t>(&page[14]);
+    const bool leaf = depth == 1;
+    if (load<std::uint64_t>(page.data()) != number || flags != (leaf ? kLeaf : kBranch)) {
+      fail(fmt::format("page {} is not what its parent says", number));
+      return;
+    }
+    if (lower < kPageHeader || lower > upper || upper > page_bytes_ || (lower & 1) != 0 ||
+        lower < kPageHeader +
+                    (leaf ? 2 : 4)) {  // an empty tree has no root: LMDB counts on a node here, on two in branches
+      fail(fmt::format("page {}: impossible fill", number));
+      return;
+    }
+    for (std::size_t slot = kPageHeader; slot < lower; slot += 2) {
+      const std::size_t at = load<std::uint16_t>(&page[slot]);
+      if (at < upper || at + kNodeHeader > page_bytes_ || (at & 1) != 0) {
+        fail(fmt::format("page {}: a node outside", number));
+        return;
+      }
+      const auto low = load<std::uint16_t>(&page[at]), high = load<std::uint16_t>(&page[at + 2]),
+                 node_flags = load<std::uint16_t>(&page[at + 4]), key_bytes = load<std::uint16_t>(&page[at + 6]);
+      if (at + kNodeHeader + key_bytes > page_bytes_) {
+        fail(fmt::format("page {}: a key longer than the page", number));
+        return;
+      }
+      if (!leaf) {
+        node_page(low | std::uint64_t{high} << 16 | std::uint64_t{node_flags} << 32, depth - 1, holds_tables);
+        continue;
+      }
+      leaf_node(number, page, at + kNodeHeader + key_bytes, low | std::uint64_t{high} << 16, node_flags, holds_tables);
+    }
+  }
+
+  void leaf_node(std::uint64_t number, const std::vector<std::byte>& page, std::size_t at, std::uint64_t bytes,
+                 std::uint16_t flags, bool holds_tables) {
+    if (flags != 0 && flags != kBigData && flags != kSubData) {
+      fail(fmt::format("page {}: a node of impossible kind", number));
+      return;
+    }
+    if (flags == kBigData) {
+      if (at + 8 > page_bytes_) {
+        fail(fmt::format("page {}: a node outside", number));
+        return;
+      }
+      const auto first = load<std::uint64_t>(&page[at]);
+      const std::uint64_t count = (bytes + kPageHeader + page_bytes_ - 1) / page_bytes_;
+      if (first < 2 || first >= pages_ || count > pages_ - first) {
+        fail(fmt::format("page {}: a value outside the file", number));
+        return;
+      }
+      std::array<std::byte, kPageHeader> header{};
+      file_.read(first * page_bytes_, header.data(), header.size());
+      if (load<std::uint64_t>(header.data()) != first || load<std::uint16_t>(&header[10]) != kOverflow ||
+          load<std::uint32_t>(&header[12]) != count) {
+        fail(fmt::format("page {}: not the value its leaf says", first));
+        return;
+      }
+      if (!use(first, count) || !lists_free_) return;
+      std::vector<std::byte> list(bytes);
+      file_.read(first * page_bytes_ + kPageHeader, list.data(), list.size());
+      note_free(number, list);
+      return;
+    }
+    if (at + bytes > page_bytes_) {
+      fail(fmt::format("page {}: a value longer than the page", number));
+      return;
+    }
+    if (flags == kSubData) {
+      if (!holds_tables || bytes != sizeof(Tree)) {
+        fail(fmt::format("page {}: a table where none belongs", number));
+        return;
+      }
+      const auto tree = load<Tree>(&page[at]);
+      if (tree.flags != 0) {
+        fail(fmt::format("page {}: a table of another kind", number));
+        return;
+      }
+      walk(tree, false);
+    } else if (lists_free_) {
+      note_free(number, std::span(page).subspan(at, bytes));
+    }
+  }
+
+  /// False if one of these pages belongs to something else, too.
+  bool use(std::uint64_t first, std::uint64_t count) {
+    for (std::uint64_t page = first; page < first + count; ++page) {
+      if (used_[page]) {
+        fail(fmt::format("page {} is in the trees twice", page));
+        return false;
+      }
+      used_[page] = true;
+    }
+    return true;
+  }
+
+  /// A list of free pages: how many, then their numbers.
+  void note_free(std::uint64_t number, std::span<const std::byte> list) {
+    const std::uint64_t count = list.size() < 8 ? 0 : load<std::uint64_t>(list.data());
+    if (list.size() < 8 || count > list.size() / 8 - 1) {
+      fail(fmt::format("page {}: an impossible list of free pages", number));
+      return;
+    }
+    for (std::uint64_t i = 1; i <= count; ++i) free_.push_back(load<std::uint64_t>(&list[8 * i]));
+  }
+
+  /// A writer puts new pages where free ones are: none of these may be in use.
+  void free_pages() {
+    for (const std::uint64_t page : free_) {
+      if (page < 2 || page >= pages_) {
+        fail(fmt::format("a free page {} of {}", page, pages_));
+      } else if (!use(page, 1)) {
+        return;
+      }
+    }
+  }
+
+  File file_;
+  std::uint64_t page_bytes_ = 4096, pages_ = 0, limit_ = ~std::uint64_t{0};
+  std::uint64_t visited_ = 0;  // branch and leaf pages
+  std::vector<bool> used_;     // pages of the file
+  std::vector<std::uint64_t> free_;
+  bool lists_free_ = false;  // the tree that is walked
+  std::vector<std::string> findings_;
+};
+
+}  // namespace
+
+void refuse_unsound(const std::filesystem::path& file) {
+  Walk walk(file);
+  if (const auto meta = walk.headers()) {
+    walk.limit(kSmallTrees);
+    walk.trees(*meta);
+  }
+  if (!walk.findings().empty()) {
+    throw Failure(Cause::corrupt,
+                  fmt::format("corrupt: {}: not a database or damaged: {}", file.string(), walk.findings().front()));
+  }
+}
+
+std::vector<std::string> check_structure(const std::filesystem::path& file) {
+  Walk walk(file);
+  if (const auto meta = walk.headers()) walk.trees(*meta);
+  return walk.findings();
+}
+
+}  // namespace talus

@@ -1,0 +1,1 @@
+#include "engine/quadtree/grid.hpp"  // refused
