@@ -1,5 +1,6 @@
-# What the four libraries link. Used twice: by our own build, and by find_package(Talus), because a static
-# library needs its friends again when it is linked. All that is missing is named at once.
+# What the libraries link. Used twice: by our own build, and by find_package(Talus), because a static library needs its
+# friends again when it is linked. All that is missing is named at once. `talus_components` says what is needed: only
+# `ingest` needs GDAL.
 
 set(talus_missing "")
 set(talus_missing_packages "")
@@ -38,10 +39,12 @@ function(talus_report_missing)
 endfunction()
 
 talus_find_package(PkgConfig pkg-config)
-talus_find_package(GDAL libgdal-dev)
 talus_find_package(fmt libfmt-dev CONFIG)
 talus_find_package(nlohmann_json nlohmann-json3-dev CONFIG)
 talus_find_module(lmdb liblmdb-dev)
 talus_find_module(geographiclib libgeographiclib-dev)
 talus_find_module(libzstd libzstd-dev)
 talus_find_module(libxxhash libxxhash-dev)
+if("ingest" IN_LIST talus_components)
+  talus_find_package(GDAL libgdal-dev)
+endif()

@@ -26,7 +26,7 @@ GridRect common(GridRect a, GridRect b) {
 }
 
 /// The new samples over the old ones; what is void in the new does not cover.
-Window laid_over(const Base& base, const Source& source, std::size_t kind, GridRect part) {
+Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t kind, GridRect part) {
   Window window{part, codes_of_kind(kind, static_cast<std::size_t>(part.samples())), {}};
   window.valid.assign(static_cast<std::size_t>(part.samples()), 0);
   const GridRect fresh = common(part, source.description().extent);
@@ -63,11 +63,10 @@ void require_same_heights(const Description& base, const Description& fresh) {
 
 void require_all_samples(const Description& base, const std::filesystem::path& database) {
   if (base.finest_tolerance == 0) return;
-  throw Failure(
-      Cause::unsupported,
-      fmt::format("{}: keeps only the vertices of answers at {} m and more (--tolerance); beside new data errors "
-                  "would be those of what is left: ingest the sources anew",
-                  database.string(), base.finest_tolerance));
+  throw Failure(Cause::unsupported,
+                fmt::format("{}: keeps only the vertices of answers at {} m and more; beside new data errors "
+                            "would be those of what is left: ingest the sources anew",
+                            database.string(), base.finest_tolerance));
 }
 
 /// A database, what is put into it, and what that changes.
@@ -104,7 +103,7 @@ struct Updating {
   }
   [[nodiscard]] bool changes_nothing() const { return changes.sum.samples == 0 && description.extent == before.extent; }
 
-  Base base;
+  ExistingDatabase base;
   const Description& before;
   IngestOptions options;
   Source source;

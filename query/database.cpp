@@ -9,7 +9,7 @@
 #include "engine/machine/parallel.hpp"
 #include "engine/quadtree/triangulation.hpp"
 #include "query/bounded/bounded_heights.hpp"
-#include "query/geo/longitude.hpp"
+#include "engine/geo/longitude.hpp"
 #include "query/selection/budget.hpp"
 #include "query/selection/increment.hpp"
 #include "query/selection/refusals.hpp"

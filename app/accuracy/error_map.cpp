@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "query/export/png_bytes.hpp"
+#include "query/rasters/png_bytes.hpp"
 
 namespace talus::app {
 namespace {

@@ -11,6 +11,7 @@
 #include "app/files/named_files.hpp"
 #include "app/options/arguments.hpp"
 #include "app/options/stream_options.hpp"
+#include "app/terminal/fields.hpp"
 #include "app/terminal/report.hpp"
 #include "talus/database.hpp"
 
@@ -22,12 +23,9 @@ struct Request {
   bool json = false;
 };
 
-// The name of a coordinate system is the first quoted text of its WKT.
-std::string crs_name(const std::string& wkt) {
-  if (wkt.empty()) return "none, cells count as metres";
-  const std::size_t open = wkt.find('"');
-  const std::size_t close = open == std::string::npos ? open : wkt.find('"', open + 1);
-  return close == std::string::npos ? "unnamed" : wkt.substr(open + 1, close - open - 1);
+std::string crs_name(const Description& d) {
+  if (d.crs_wkt.empty()) return "none, cells count as metres";
+  return d.crs.name.empty() ? "unnamed" : d.crs.name;
 }
 
 std::string step_text(const HeightStep& step, const std::string& unit) {
@@ -94,7 +92,7 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"bands", bands},
       {"lossy_metres", d.lossy_metres},
       {"finest_tolerance", d.finest_tolerance},
-      {"made_by", p.made_by},
+      {"made_by", with_options(p.made_by)},
       {"generation", p.generation},
       {"sources", sources},
       {"vertices_above", above}};
@@ -122,7 +120,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
                                   d.mapping.x(d.extent.last.col), d.mapping.y(d.extent.last.row),
                                   d.mapping.y(d.extent.first.row)));
   table.add("cell", fmt::format("{} x {}", d.mapping.dx, -d.mapping.dy));
-  table.add("crs", crs_name(d.crs_wkt));
+  table.add("crs", crs_name(d));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
   table.add("errors", errors_text(d));
@@ -133,7 +131,8 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
     table.add("kept",
               fmt::format("vertices of answers at {} m and more; samples are not restored", d.finest_tolerance));
   if (const std::string above = above_text(p); !above.empty()) table.add("vertices above", above);
-  table.add("made by", p.generation == 0 ? p.made_by : fmt::format("{}, updated {} times", p.made_by, p.generation));
+  table.add("made by", p.generation == 0 ? with_options(p.made_by)
+                                         : fmt::format("{}, updated {} times", with_options(p.made_by), p.generation));
   constexpr std::size_t kListed = 8;
   for (std::size_t i = 0; i < std::min(kListed, p.sources.size()); ++i) {
     const SourceFile& f = p.sources[i];
@@ -187,7 +186,7 @@ Exit run_stream(const Request& request) {
   Table table;
   table.add("stream", fmt::format("{}, {}", request.database, s.is_increment ? "an increment: merge it" : "an answer"));
   table.add("region", bounds_text(d, s.region));
-  table.add("crs", crs_name(d.crs_wkt));
+  table.add("crs", crs_name(d));
   table.add("border", border_text(s.origin.border));
   if (s.is_increment) table.add("from", metres(s.from.value));
   table.add("tolerance", metres(s.tolerance.value));

@@ -9,6 +9,7 @@
 #include "app/terminal/interrupt.hpp"
 #include "query/export/writers.hpp"
 #include "talus/failure.hpp"
+#include "talus/raster_output.hpp"
 
 namespace talus::app {
 
@@ -23,14 +24,23 @@ void require_no_input(const std::string& output, const std::vector<std::string>&
   }
 }
 
+namespace {
+
+void require_known_ending(const std::string& output) {
+  if (is_stream_file(output) || is_raster_file(output) || is_mesh_file(output)) return;
+  throw Failure(
+      Cause::invalid_argument,
+      fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .glb, .tif, .png or .rqt", output),
+      output);
+}
+
+}  // namespace
+
 void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
   for (const std::string& output : outputs) {
     require_no_input(output, inputs);
-    if (is_stream_file(output)) {
-      check_folder(output);
-    } else {
-      check_mesh_file(output);
-    }
+    require_known_ending(output);
+    check_folder(output);
   }
 }
 
@@ -41,6 +51,8 @@ Metres write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const D
     const HoldInterrupts whole_file_or_none;
     if (is_stream_file(output)) {
       write_stream({description, answer}, output, options);
+    } else if (is_raster_file(output)) {
+      write_raster(mesh, description, output);
     } else {
       rounding = std::max(rounding, write_mesh(mesh, description, output));
     }

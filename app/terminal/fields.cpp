@@ -7,9 +7,14 @@ namespace talus::app {
 namespace {
 
 // A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 11> kOptions{{
+constexpr std::array<std::pair<const char*, const char*>, 23> kOptions{{
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
+    {"IngestOptions::void_weight", "--void-weight"},
+    {"IngestOptions::finest_tolerance", "--tolerance"},
+    {"IngestOptions::error_kind", "--error"},
+    {"IngestOptions::error_metric", "--metric"},
+    {"IngestOptions::no_guarantee", "--no-guarantee"},
     {"InputOptions::allow_drivers", "--allow-driver"},
     {"InputOptions::allow_outside", "--allow-outside"},
     {"InputOptions::recursive", "--recursive"},
@@ -19,6 +24,13 @@ constexpr std::array<std::pair<const char*, const char*>, 11> kOptions{{
     {"InputOptions::nodata", "--nodata"},
     {"InputOptions::decode", "--decode"},
     {"InputOptions::srs", "--srs"},
+    {"InputOptions::vertical_unit", "--vertical-unit"},
+    {"InputOptions::target_srs", "--t-srs"},
+    {"InputOptions::target_dx", "--tr"},
+    {"InputOptions::resampling", "--resampling"},
+    {"InputOptions::grid", "--grid-of"},
+    {"InputOptions::priority_resolution", "--priority resolution"},
+    {"InputOptions::height_step", "--height-step"},
 }};
 
 }  // namespace

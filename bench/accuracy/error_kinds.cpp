@@ -36,7 +36,7 @@
 #include "engine/quadtree/half_diamond.hpp"
 #include "engine/quadtree/triangulation.hpp"
 #include "query/accuracy/true_error.hpp"
-#include "query/geo/ground.hpp"
+#include "engine/geo/ground.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {
@@ -54,7 +54,7 @@ class Window {
     if (std::find(samples_.valid.begin(), samples_.valid.end(), 0) != samples_.valid.end())
       throw Failure(Cause::invalid_argument, "the window has voids: choose another");
     field_ = {region_, std::span<const double>(samples_.values), {}, CodeDistance({}, description_.metres_per_unit)};
-    const Ground ground(description_.crs_wkt);
+    const Ground ground(description_.crs);
     const GridPoint middle{(region.first.col + region.last.col) / 2, (region.first.row + region.last.row) / 2};
     const GridMapping& m = description_.mapping;
     const Position here{m.x(middle.col), m.y(middle.row)};

@@ -160,9 +160,9 @@ Bitree taken_from(const Hierarchy& h, std::span<const double> heights) {
 }
 
 /// What the samples are, fills included, and how far triangles are from them. The samples must stay.
-class Ground {
+class SampledGround {
  public:
-  Ground(const SampleWindow& samples, const BitreeOptions& options)
+  SampledGround(const SampleWindow& samples, const BitreeOptions& options)
       : options_(options), region_(samples.region), heights_(samples.values) {
     std::span<const std::uint8_t> valid;
     if (std::find(samples.valid.begin(), samples.valid.end(), 0) != samples.valid.end()) {
@@ -174,8 +174,8 @@ class Ground {
     }
     field_ = {region_, heights_, valid, CodeDistance({}, options.metres_per_unit)};
   }
-  Ground(const Ground&) = delete;
-  Ground& operator=(const Ground&) = delete;
+  SampledGround(const SampledGround&) = delete;
+  SampledGround& operator=(const SampledGround&) = delete;
 
   [[nodiscard]] const VoidMap* voids() const { return voids_ ? &*voids_ : nullptr; }
   [[nodiscard]] double height(GridPoint p) const { return heights_[field_.index(p)]; }
@@ -232,7 +232,7 @@ void require(const SampleWindow& samples, Metres tolerance, const BitreeOptions&
 }
 
 /// Selects what fictitious heights left too far away, until nothing is; how many that were.
-std::size_t correct(Hierarchy& h, const Ground& ground, double tolerance, std::vector<double>& heights) {
+std::size_t correct(Hierarchy& h, const SampledGround& ground, double tolerance, std::vector<double>& heights) {
   const auto source = [&](GridPoint p) { return ground.height(p); };
   const auto off = [&](GridPoint p) { return std::abs(heights[h.index(p)] - ground.height(p)); };
   std::size_t corrected = 0;
@@ -266,7 +266,7 @@ std::size_t correct(Hierarchy& h, const Ground& ground, double tolerance, std::v
 
 Bitree bitree_of(const SampleWindow& samples, Metres tolerance, const BitreeOptions& options) {
   require(samples, tolerance, options);
-  const Ground ground(samples, options);
+  const SampledGround ground(samples, options);
   Hierarchy h(samples.region);
   const auto source = [&](GridPoint p) { return ground.height(p); };
   h.for_each_from_coarsest([&](GridPoint p) {

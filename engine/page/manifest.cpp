@@ -29,7 +29,8 @@ void require_plausible(const Manifest& m) {
   if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
   for (const double v :
        {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor, d.step.offset,
-        d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
+        d.metres_per_unit, d.crs.metres_per_unit, d.crs.degrees_per_unit, d.crs.equatorial_radius, d.crs.flattening,
+        d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
     if (!std::isfinite(v)) refuse("a number that is none");
   }
   if (d.error_kind == ErrorKind::nested && d.error_metric == ErrorMetric::perpendicular)
@@ -38,6 +39,10 @@ void require_plausible(const Manifest& m) {
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
     refuse("number of coarsest pages does not fit the extent");
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
+  if (d.crs.metres_per_unit <= 0 || d.crs.degrees_per_unit <= 0 || d.crs.flattening >= 1 ||
+      (d.crs.is_geographic && d.crs.equatorial_radius <= 0)) {
+    refuse("impossible coordinate system");
+  }
   if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0)
     refuse("impossible height step");
 }
@@ -61,7 +66,15 @@ std::vector<std::byte> encode(const Manifest& m) {
       {"layout", {{"band_levels", kBandLevels}, {"page_side", kPageSide}, {"bands", m.bands}}},
       {"extent", {d.extent.first.col, d.extent.first.row, d.extent.last.col, d.extent.last.row}},
       {"mapping", {{"x0", d.mapping.x0}, {"y0", d.mapping.y0}, {"dx", d.mapping.dx}, {"dy", d.mapping.dy}}},
-      {"crs_wkt", d.crs_wkt},
+      {"crs",
+       {{"wkt", d.crs_wkt},
+        {"name", d.crs.name},
+        {"epsg", d.crs.epsg},
+        {"geographic", d.crs.is_geographic},
+        {"metres_per_unit", d.crs.metres_per_unit},
+        {"degrees_per_unit", d.crs.degrees_per_unit},
+        {"equatorial_radius", d.crs.equatorial_radius},
+        {"flattening", d.crs.flattening}}},
       {"source", {{"name", d.source_name}, {"type", d.source_type}}},
       {"vertical", {{"unit", d.vertical_unit}, {"metres_per_unit", d.metres_per_unit}}},
       {"step",
@@ -115,7 +128,20 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.extent = {{side(0), side(1)}, {side(2), side(3)}};
     const Json& mapping = json.at("mapping");
     d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
-    d.crs_wkt = json.at("crs_wkt");
+    if (!json.contains("crs")) {
+      throw Failure(Cause::unsupported,
+                    "the header does not say what the coordinate system means: an earlier Talus made this database; "
+                    "ingest the source again");
+    }
+    const Json& crs = json.at("crs");
+    d.crs_wkt = crs.at("wkt");
+    d.crs = {crs.at("name"),
+             whole<int>(crs.at("epsg")),
+             crs.at("geographic"),
+             crs.at("metres_per_unit"),
+             crs.at("degrees_per_unit"),
+             crs.at("equatorial_radius"),
+             crs.at("flattening")};
     d.source_name = json.at("source").at("name");
     d.source_type = json.at("source").at("type");
     d.vertical_unit = json.at("vertical").at("unit");

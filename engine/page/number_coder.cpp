@@ -355,7 +355,7 @@ void NumberReader::start(std::span<const std::byte> bytes) {
 namespace {
 
 /// Where the next bits are. Beyond the end they are zeros.
-struct Bits {
+struct TokenBits {
   const std::byte* bytes;
   std::size_t size;
   std::uint64_t position;
@@ -375,7 +375,7 @@ struct Bits {
 };
 
 /// A number whose token has many bits below it, or is an escape. Leaves the step's own bits to read.
-[[gnu::noinline]] std::uint64_t take_long(Bits& bits, const Step& step) {
+[[gnu::noinline]] std::uint64_t take_long(TokenBits& bits, const Step& step) {
   bits.refill();
   unsigned count = step.low_bits;
   std::uint64_t base = 0;
@@ -396,9 +396,9 @@ struct Bits {
 
 /// Four numbers, or one, at a time; `state` are those whose turn it is.
 template <class Number>
-[[gnu::always_inline]] inline void take_numbers(Bits& from, const Step* const* steps, std::uint32_t* state,
+[[gnu::always_inline]] inline void take_numbers(TokenBits& from, const Step* const* steps, std::uint32_t* state,
                                                 std::span<const std::uint8_t> contexts, Number* numbers) {
-  Bits bits = from;
+  TokenBits bits = from;
   const auto one = [&](std::uint32_t & s, std::size_t i) __attribute__((always_inline)) {
     const Step step = steps[contexts[i]][s];
     if (step.low_bits > kLongestFast) [[unlikely]] {
@@ -420,11 +420,11 @@ template <class Number>
   state[0] = s0, state[1] = s1, state[2] = s2, state[3] = s3;
   from = bits;
 }
-TALUS_BIT_CLONES void take_narrow(Bits& bits, const Step* const* steps, std::uint32_t* state,
+TALUS_BIT_CLONES void take_narrow(TokenBits& bits, const Step* const* steps, std::uint32_t* state,
                                   std::span<const std::uint8_t> contexts, std::uint32_t* numbers) {
   take_numbers(bits, steps, state, contexts, numbers);
 }
-void take_wide(Bits& bits, const Step* const* steps, std::uint32_t* state, std::span<const std::uint8_t> contexts,
+void take_wide(TokenBits& bits, const Step* const* steps, std::uint32_t* state, std::span<const std::uint8_t> contexts,
                std::uint64_t* numbers) {
   take_numbers(bits, steps, state, contexts, numbers);
 }
@@ -435,7 +435,7 @@ template <class Number, class Take>
 void NumberReader::get_many(std::span<const std::uint8_t> contexts, Number* numbers, Take&& take) {
   const Step* steps[kContexts];
   for (std::size_t c = 0; c < kContexts; ++c) steps[c] = tables().steps[distribution_[c]].data();
-  Bits bits{bytes_.data(), size_, position_};
+  TokenBits bits{bytes_.data(), size_, position_};
   // Whose turn it is stays the same after four numbers.
   std::uint32_t state[4];
   for (unsigned k = 0; k < 4; ++k) state[k] = state_[(turn_ + k) % 4];
@@ -454,7 +454,7 @@ void NumberReader::get(std::span<const std::uint8_t> contexts, std::uint64_t* nu
 }
 
 std::uint64_t NumberReader::get(int context) {
-  Bits bits{bytes_.data(), size_, position_};
+  TokenBits bits{bytes_.data(), size_, position_};
   bits.refill();
   std::uint32_t& state = state_[turn_];
   const Step step = tables().steps[distribution_[context]][state];

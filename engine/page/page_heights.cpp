@@ -23,21 +23,23 @@ constexpr Number* row_of(Number* grid, int row) {
 }
 
 /// Rows and columns of a level's grid, from first up to end.
-struct Part {
+struct PagePiece {
   int first_col, end_col, first_row, end_row;
 
-  [[nodiscard]] Part grown(int before, int behind, int side) const {
+  [[nodiscard]] PagePiece grown(int before, int behind, int side) const {
     return {std::max(first_col - before, 0), std::min(end_col + behind, side), std::max(first_row - before, 0),
             std::min(end_row + behind, side)};
   }
-  [[nodiscard]] Part halved() const { return {first_col / 2, (end_col + 1) / 2, first_row / 2, (end_row + 1) / 2}; }
+  [[nodiscard]] PagePiece halved() const {
+    return {first_col / 2, (end_col + 1) / 2, first_row / 2, (end_row + 1) / 2};
+  }
 };
 
 /// What of a level is gone through, for the numbers that are wanted of all its four kinds together: side midpoints are
 /// predicted from the centres and even ones around them, centres from two even ones on either side.
 struct Parts {
-  Part sides, centres, even;
-  Parts(const Part& wanted, int side)
+  PagePiece sides, centres, even;
+  Parts(const PagePiece& wanted, int side)
       : sides(wanted.halved()), centres(sides.grown(1, 1, side)), even(sides.grown(2, 3, side)) {}
 };
 
@@ -45,7 +47,7 @@ struct Parts {
 struct Kind {
   std::size_t first, along, down;
   int side;
-  Part part;
+  PagePiece part;
   [[nodiscard]] std::size_t at(int col, int row) const {
     return first + static_cast<std::size_t>(col) * along + static_cast<std::size_t>(row) * down;
   }
@@ -54,7 +56,7 @@ struct Kind {
 /// Straight on over the sides: every number of the rim is where a line through the two before it goes. Of a part of a
 /// grid, which holds the two where it touches a side.
 template <class Number>
-void extend(Wrapping<Number>* grid, int side, const Part& part) {
+void extend(Wrapping<Number>* grid, int side, const PagePiece& part) {
   using W = Wrapping<Number>;
   const auto on = [&](W a, W b) { return side > 1 ? static_cast<W>(2 * a - b) : a; };
   for (int row = part.first_row; row < part.end_row; ++row) {
@@ -121,7 +123,7 @@ struct HeightLevels<Number>::Grids {
 
   TALUS_CLONES static void predict_centres(Grids& g, int side, const Parts& parts) {
     extend<Number>(g.even, side, parts.even);
-    const Part& part = parts.centres;
+    const PagePiece& part = parts.centres;
     for (int row = part.first_row; row < part.end_row; ++row) {
       const W *north = row_of(g.even, row - 1) + part.first_col, *here = row_of(g.even, row) + part.first_col,
               *south = row_of(g.even, row + 1) + part.first_col, *beyond = row_of(g.even, row + 2) + part.first_col;
@@ -133,7 +135,7 @@ struct HeightLevels<Number>::Grids {
   }
   TALUS_CLONES static void predict_sides(Grids& g, int side, const Parts& parts) {
     extend<Number>(g.centres, side, parts.centres);
-    const Part& part = parts.sides;
+    const PagePiece& part = parts.sides;
     const int from = part.first_col, count = part.end_col - from;
     for (int row = part.first_row; row < part.end_row; ++row) {
       const W *e0 = row_of(g.even, row - 1) + from, *e1 = row_of(g.even, row) + from,
@@ -158,7 +160,7 @@ struct HeightLevels<Number>::Grids {
     }
   }
   /// values = predicted + residual, of the rows behind some others
-  TALUS_CLONES static void add(const Grids& g, int side, const Part& part, int behind, W* __restrict values,
+  TALUS_CLONES static void add(const Grids& g, int side, const PagePiece& part, int behind, W* __restrict values,
                                std::ptrdiff_t stride) {
     for (int row = behind + part.first_row; row < behind + part.end_row; ++row) {
       const W *predicted = g.predicted + row * side, *numbers = g.numbers + row * side;
@@ -168,7 +170,7 @@ struct HeightLevels<Number>::Grids {
     }
   }
   /// All four kinds into one grid of twice the side; `to` may be that of the even ones.
-  TALUS_CLONES static void join(const Grids& g, int side, const Part& part, W* to, std::ptrdiff_t stride) {
+  TALUS_CLONES static void join(const Grids& g, int side, const PagePiece& part, W* to, std::ptrdiff_t stride) {
     const int first = part.first_col, end = part.end_col;
     for (int row = part.end_row; row-- > part.first_row;) {  // from behind: nothing is overwritten before it is read
       W line[kHalf];
@@ -192,7 +194,7 @@ void HeightLevels<Number>::run(std::span<Number> square, const PresentRect& pres
   Grids& g = *grids_;
   constexpr std::size_t kRow = kPageSide;
   constexpr int kLevels = kPageShift;
-  Part wanted[kLevels + 1];  // of the grid of 1 << level
+  PagePiece wanted[kLevels + 1];  // of the grid of 1 << level
   wanted[kLevels] = {present.first_col, present.end_col, present.first_row, present.end_row};
   for (int level = kLevels; level-- > 0;) wanted[level] = Parts(wanted[level + 1], 1 << level).even;
 

@@ -93,7 +93,7 @@ void require_fit(const RestrictedQuadtree& answer, const Increment& increment) {
   }
   if (answer.origin.quantum != added.origin.quantum) {
     refuse(fmt::format(
-        "the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask for one --quantum",
+        "the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask both with one quantum",
         added.origin.quantum.value, answer.origin.quantum.value));
   }
   if (answer.level_errors.size() != added.level_errors.size())

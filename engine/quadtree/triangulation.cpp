@@ -170,16 +170,16 @@ TALUS_POPCNT Corners* emit_popcnt(Emitter& emitter, std::int32_t first, std::int
 Corners* emit_plain(Emitter& emitter, std::int32_t first, std::int32_t last) { return emitter.run(first, last); }
 
 /// Rows, so that about as many vertices stand in each part.
-struct Part {
+struct RowRange {
   std::int32_t first = 0, last = 0;
   std::size_t vertices = 0;
 };
-std::vector<Part> parts_of(const VertexMask& mask, int count) {
+std::vector<RowRange> parts_of(const VertexMask& mask, int count) {
   const GridRect& region = mask.region();
   const auto before = [&](std::int64_t row) -> std::size_t {
     return row > region.last.row ? mask.size() : mask.rank({region.first.col, static_cast<std::int32_t>(row)});
   };
-  std::vector<Part> parts;
+  std::vector<RowRange> parts;
   std::int64_t first = region.first.row;
   for (int i = 1; i <= count && first <= region.last.row; ++i) {
     const std::size_t wanted = mask.size() / static_cast<std::size_t>(count) * static_cast<std::size_t>(i);
@@ -232,11 +232,11 @@ Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
   // A planar mesh has fewer than two triangles a vertex, a part of it at most four; and there is room to write ahead.
   // The first part goes where it belongs, the others follow once it is known where they begin.
   mesh.triangles.resize(2 * count + kMostAround);
-  const std::vector<Part> parts = parts_of(quadtree.vertices, threads);
+  const std::vector<RowRange> parts = parts_of(quadtree.vertices, threads);
   std::vector<Array<Corners>> written(parts.size());
   std::vector<std::size_t> sizes(parts.size());
   for_each_task(threads, parts.size(), [&](int, std::size_t i) {
-    const Part& part = parts[i];
+    const RowRange& part = parts[i];
     if (i > 0) written[i].resize(4 * part.vertices + kMostAround);
     Array<Corners>& to = i > 0 ? written[i] : mesh.triangles;
     Emitter emitter(quadtree, mesh, to.data(), to.size());

@@ -134,7 +134,7 @@ class LevelWalk {
   }
   [[nodiscard]] std::int32_t rows() const { return fine_.bits.rows; }
 
-  struct Part {
+  struct WalkedRows {
     Array<Code> heights;
     Array<std::uint8_t> sizes;
     std::vector<std::size_t> row_sizes;
@@ -142,17 +142,19 @@ class LevelWalk {
 
   /// The centres of some rows. coder(CandidateRow&) tells of each row, from the north.
   template <class Coder>
-  [[nodiscard]] Part centres(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known, Coder&& coder) {
+  [[nodiscard]] WalkedRows centres(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known,
+                                   Coder&& coder) {
     return walk<true>(first, last, known, coder);
   }
   /// The parts of the centres, from the north.
-  void take_centres(std::vector<Part>&& parts) { join(centres_, std::move(parts)); }
+  void take_centres(std::vector<WalkedRows>&& parts) { join(centres_, std::move(parts)); }
   /// The side midpoints of some rows; the part holds all vertices there.
   template <class Coder>
-  [[nodiscard]] Part sides(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known, Coder&& coder) {
+  [[nodiscard]] WalkedRows sides(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known,
+                                 Coder&& coder) {
     return walk<false>(first, last, known, coder);
   }
-  void take_all(std::vector<Part>&& parts) { join(fine_, std::move(parts)); }
+  void take_all(std::vector<WalkedRows>&& parts) { join(fine_, std::move(parts)); }
   [[nodiscard]] const BitLattice& centre_bits() const { return centres_.bits; }
   [[nodiscard]] const BitLattice& bits() const { return fine_.bits; }
   [[nodiscard]] LevelVertices<Code> take_vertices() { return std::move(fine_); }
@@ -221,9 +223,9 @@ class LevelWalk {
   }
 
   /// What a row's candidates are, in words.
-  struct Bits {
+  struct RowBits {
     std::vector<std::uint64_t> strict, loose, known;
-    explicit Bits(std::size_t words) : strict(words), loose(words), known(words) {}
+    explicit RowBits(std::size_t words) : strict(words), loose(words), known(words) {}
   };
 
   /// Columns of the lattice, in the last word.
@@ -232,7 +234,7 @@ class LevelWalk {
     return left >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
   }
 
-  void find_centres(Bits& bits, std::int32_t j, Row& above, Row& below) const {
+  void find_centres(RowBits& bits, std::int32_t j, Row& above, Row& below) const {
     const BitLattice& f = fine_.bits;
     // Columns and rows of squares in squares: where their sum is even the apexes stand north-east and south-west.
     const int row_parity = ((f.first_row + j) >> 1) & 1;
@@ -251,7 +253,7 @@ class LevelWalk {
     }
   }
 
-  void find_sides(Bits& bits, std::int32_t j, Row& above, Row& row, Row& below) const {
+  void find_sides(RowBits& bits, std::int32_t j, Row& above, Row& row, Row& below) const {
     const BitLattice& f = fine_.bits;
     const std::uint64_t odd_columns = f.starts_odd() != 0 ? 0x5555555555555555u : 0xaaaaaaaaaaaaaaaau;
     const bool is_vertical = is_odd(j);
@@ -335,14 +337,14 @@ class LevelWalk {
   }
 
   template <bool are_centres, class Coder>
-  Part walk(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known, Coder&& coder) {
+  WalkedRows walk(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known, Coder&& coder) {
     const BitLattice& f = fine_.bits;
     const std::size_t words = f.words_per_row;
-    Part part;
+    WalkedRows part;
     part.row_sizes.reserve(static_cast<std::size_t>(last - first));
     Row one(words), two(words), three(words);
     Row *above = &one, *row = &two, *below = &three;
-    Bits bits(words);
+    RowBits bits(words);
     Room room(64 * words);
     load(*above, first - 1, !are_centres);
     load(*row, first, !are_centres);
@@ -437,7 +439,7 @@ class LevelWalk {
   }
 
   template <bool are_centres, class Coder>
-  void visit(const Bits& bits, Room& room, std::int32_t j, Row& above, Row& row, Row& below, Coder&& coder) {
+  void visit(const RowBits& bits, Room& room, std::int32_t j, Row& above, Row& row, Row& below, Coder&& coder) {
     const BitLattice& f = fine_.bits;
     std::size_t n = 0;
     for (std::size_t w = 0; w < f.words_per_row; ++w) {
@@ -502,7 +504,7 @@ class LevelWalk {
     }
   }
 
-  void append(Part& part, Row& row, std::uint64_t* out) const {
+  void append(WalkedRows& part, Row& row, std::uint64_t* out) const {
     const std::size_t words = fine_.bits.words_per_row, begin = part.heights.size(), room = begin + 64 * words;
     if (part.heights.capacity() < room) {
       part.heights.reserve(2 * begin + room + 4096);
@@ -529,10 +531,10 @@ class LevelWalk {
     part.row_sizes.push_back(count - begin);
   }
 
-  static void join(LevelVertices<Code>& whole, std::vector<Part>&& parts) {
+  static void join(LevelVertices<Code>& whole, std::vector<WalkedRows>&& parts) {
     whole.row_start = {0};
     whole.heights.clear(), whole.sizes.clear();
-    for (const Part& part : parts) {
+    for (const WalkedRows& part : parts) {
       for (const std::size_t size : part.row_sizes) whole.row_start.push_back(whole.row_start.back() + size);
     }
     if (parts.size() == 1) {
@@ -542,7 +544,7 @@ class LevelWalk {
     }
     whole.heights.reserve(whole.row_start.back());
     whole.sizes.reserve(whole.row_start.back());
-    for (const Part& part : parts) {
+    for (const WalkedRows& part : parts) {
       whole.heights.insert(whole.heights.end(), part.heights.begin(), part.heights.end());
       whole.sizes.insert(whole.sizes.end(), part.sizes.begin(), part.sizes.end());
     }

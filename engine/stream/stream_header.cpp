@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/geo/crs_text.hpp"
 #include "engine/quadtree/grid.hpp"
 
 namespace talus {
@@ -218,6 +219,7 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
     in.refuse("texts or errors that do not fit the header");
   for (std::size_t i = 0; i < errors; ++i) q.level_errors.push_back(in.take<double>());
   d.crs_wkt = in.text(crs);
+  d.crs = facts_of_wkt(d.crs_wkt);
   d.vertical_unit = in.text(unit);
   require_plausible(in, h);
   if (h.root() != (errors > 0 ? log2_root(d.extent) : log2_root(h.window)))

@@ -194,9 +194,9 @@ LevelVertices<Code> root_vertices(const KnownLevels<Code>& known, GridRect windo
 
 /// One half of a level by bands. coder(band, row) tells.
 template <class Code, class Coder>
-std::vector<typename LevelWalk<Code>::Part> walk_half(LevelWalk<Code>& walk, std::size_t half, std::size_t bands,
+std::vector<typename LevelWalk<Code>::WalkedRows> walk_half(LevelWalk<Code>& walk, std::size_t half, std::size_t bands,
                                                       int threads, const KnownVertices<Code>& known, Coder&& coder) {
-  std::vector<typename LevelWalk<Code>::Part> parts(bands);
+  std::vector<typename LevelWalk<Code>::WalkedRows> parts(bands);
   for_each_task(threads, bands, [&](int, std::size_t b) {
     const std::int32_t first = band_row(walk.rows(), bands, b), last = band_row(walk.rows(), bands, b + 1);
     const auto tell = [&](CandidateRow<Code>& row) { coder(b, row); };
@@ -569,7 +569,7 @@ RestrictedQuadtree PartsDecoder<Code>::quadtree() const {
   for (int shift = all->bits.shift - 1; shift >= 0; --shift) {
     LevelWalk<Code> walk(header_.window, *all, Scale(coding_.tolerance), false,
                          all->heights.size() + known_.size(shift));
-    std::vector<typename LevelWalk<Code>::Part> centres, sides;
+    std::vector<typename LevelWalk<Code>::WalkedRows> centres, sides;
     centres.push_back(walk.centres(0, walk.rows(), known_.at(shift, 0), none));
     walk.take_centres(std::move(centres));
     sides.push_back(walk.sides(0, walk.rows(), known_.at(shift, 1), none));

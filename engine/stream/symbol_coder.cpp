@@ -28,7 +28,8 @@ void BitWriter::put_gamma(std::uint32_t v) {
 
 std::uint32_t BitReader::take_gamma() {
   int high = 0;
-  while (high < 31 && take(1) == 0) ++high;
+  while (high < 32 && take(1) == 0) ++high;
+  if (high == 32) return 0;  // no number is written so
   std::uint32_t v = 1;
   for (int i = 0; i < high; ++i) v = v << 1 | static_cast<std::uint32_t>(take(1));
   return v;

@@ -58,6 +58,7 @@ class BitReader {
     const std::uint64_t low = take(32);
     return low | take(count - 32) << 32;
   }
+  /// 0 for bits that put_gamma does not write.
   [[nodiscard]] std::uint32_t take_gamma();
   /// All bytes were used, no others, and bits left over are zero.
   [[nodiscard]] bool is_intact() const;

@@ -346,9 +346,10 @@ struct VerifyOptions {
 
 // ---- export --------------------------------------------------------------------------------------
 
-/// Writes a mesh; the ending of `file` says how: .ply (binary little endian, double x y z), .obj, .glb (glTF 2.0, y up,
-/// metres), .tif (GeoTIFF: the surface's height at every sample), .png (a picture: shaded relief with the triangles
-/// over it). Written beside `file`, then renamed.
+/// Writes a mesh. The ending of `file` says how: .ply (binary little endian, double x y z), .obj, .glb (glTF 2.0, y up,
+/// metres). The file is written under another name and then renamed: it appears whole or not at all. talus/raster_output.hpp
+/// writes meshes as rasters and pictures.
+///
 /// returns  how far the file's surface may lie from the mesh's, for .glb stores floats: add it to an answer's bound
 /// fails    invalid_argument: another ending, or a mesh whose numbers do not fit; unsupported; io, full
 Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file);

@@ -43,10 +43,23 @@ struct HeightStep {
   }
 };
 
+/// What Talus needs to know of a coordinate reference system. Ingest asks PROJ once and writes it down, so that a
+/// program that only reads needs no library for it. The defaults describe no CRS: coordinates are metres.
+struct CrsFacts {
+  std::string name;                              ///< "WGS 84 / UTM zone 32N"; empty: no CRS
+  int epsg = 0;                                  ///< its number in the EPSG registry; 0: it has none
+  bool is_geographic = false;                    ///< x is the longitude, y the latitude
+  double metres_per_unit = 1;                    ///< of x and y, unless geographic
+  double degrees_per_unit = 1;                   ///< of x and y, if geographic
+  double equatorial_radius = 0, flattening = 0;  ///< of the ellipsoid, if geographic; the radius in metres
+  friend bool operator==(const CrsFacts&, const CrsFacts&) = default;
+};
+
 struct Description {
   GridRect extent{{0, 0}, {-1, -1}};  ///< all samples, outermost rows and columns included
   GridMapping mapping;
   std::string crs_wkt;         ///< empty: none, cells count as metres
+  CrsFacts crs;                ///< what crs_wkt says, as far as Talus needs it
   std::string source_name;     ///< file name of the source, without its folder
   std::string source_type;     ///< GDAL's name of the sample type: Int16, Float32 …
   std::string vertical_unit;   ///< as the source says it; "metre" where it says nothing

@@ -10,16 +10,6 @@
 // Six verbs: ingest, open, snapshot, range, triangulate, verify. Each of their headers says shapes,
 // units, failures and cost; docs/architecture.md shows the way of the data through the folders.
 
-#include "talus/accuracy.hpp"
-#include "talus/bitree.hpp"
-#include "talus/database.hpp"
-#include "talus/description.hpp"
-#include "talus/failure.hpp"
-#include "talus/increment.hpp"
 #include "talus/ingest.hpp"
-#include "talus/progression.hpp"
-#include "talus/quadtree.hpp"
-#include "talus/session.hpp"
-#include "talus/stream.hpp"
-#include "talus/strip.hpp"
-#include "talus/units.hpp"
+#include "talus/raster_output.hpp"
+#include "talus/read.hpp"

@@ -48,7 +48,7 @@ class LaidDataset : public GDALDataset {
     geotransform_[3] += east * geotransform_[4] + south * geotransform_[5];
     const bool is_raw = laid.type == laid.members.front().type && laid.scale == laid.members.front().scale &&
                         laid.offset == laid.members.front().offset;
-    coding_.rule = is_raw ? Coding::Rule::raw : Coding::Rule::value;
+    coding_.rule = is_raw ? RasterCoding::Rule::raw : RasterCoding::Rule::value;
     coding_.step = {laid.scale, 1, laid.offset, laid.members.front().is_integer()};
     mask_ = std::make_unique<LaidBand>(*this, 0, LaidBand::Kind::mask, GDT_Byte);
     auto* samples = new LaidBand(*this, 1, LaidBand::Kind::samples, laid.type);
@@ -136,7 +136,7 @@ class LaidDataset : public GDALDataset {
   const LaidRasters& laid_;
   GridRect part_;
   OpenRasters open_;
-  Coding coding_;
+  RasterCoding coding_;
   std::array<double, 6> geotransform_;
   std::unique_ptr<LaidBand> mask_;
   Block block_;

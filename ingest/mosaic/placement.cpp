@@ -57,8 +57,9 @@ GridMapping cells_for(const RasterFacts& first, const LaidRasters& laid, const s
   const bool sized = options.target_dx != 0 || options.target_dy != 0;
   const auto is_size = [](double v) { return std::isfinite(v) && v > 0; };
   if (sized && !(is_size(options.target_dx) && is_size(options.target_dy))) {
-    throw Failure(Cause::invalid_argument, fmt::format("--tr {} {}: expected a width and a height above 0",
-                                                       options.target_dx, options.target_dy));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("InputOptions::target_dx {} {}: expected a width and a height above 0", options.target_dx,
+                              options.target_dy));
   }
   if (is_same_crs && !first.is_rotated) {
     const GridMapping& own = first.mapping;
@@ -88,19 +89,20 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
   if (!asks_for_resampling(options)) return target;
 
   if (!options.target_srs.empty()) {
-    const OGRSpatialReference asked = crs_from(wkt_of(options.target_srs, "--t-srs"));
+    const OGRSpatialReference asked = crs_from(wkt_of(options.target_srs, "InputOptions::target_srs"));
     if (first.crs_wkt.empty()) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("{} states no coordinate system and cannot be taken to that of --t-srs; --srs gives one",
-                      first.name));
+      throw Failure(Cause::unsupported, fmt::format("{} states no coordinate system and cannot be taken to that of "
+                                                    "InputOptions::target_srs; InputOptions::srs gives one",
+                                                    first.name));
     }
     const OGRSpatialReference own = crs_from(first.crs_wkt);
     if (has_heights(asked) ? !same_heights(asked, own) : has_heights(own) && own.IsCompound() == 0) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} has heights of another kind than --t-srs {} states, and Talus changes no heights; "
-                                "a --t-srs without heights keeps those of a vertical coordinate system",
-                                first.name, options.target_srs));
+      throw Failure(
+          Cause::unsupported,
+          fmt::format(
+              "{} has heights of another kind than InputOptions::target_srs {} states, and Talus changes no heights; "
+              "a InputOptions::target_srs without heights keeps those of a vertical coordinate system",
+              first.name, options.target_srs));
     }
     target.crs_wkt = with_heights_of(asked, own);
   }
@@ -112,10 +114,12 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
 
 void require_same_unit(const RasterFacts& raster, const Target& target) {
   if (raster.metres_per_unit == target.metres_per_unit) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{} has heights in {}, {} in {}; bring them to one unit first, or say with --vertical-unit "
-                            "what all of them are in",
-                            raster.name, raster.vertical_unit, target.whose, target.vertical_unit));
+  throw Failure(
+      Cause::unsupported,
+      fmt::format(
+          "{} has heights in {}, {} in {}; bring them to one unit first, or say with InputOptions::vertical_unit "
+          "what all of them are in",
+          raster.name, raster.vertical_unit, target.whose, target.vertical_unit));
 }
 
 /// All heights count from the same; nothing changes them.
@@ -124,17 +128,18 @@ void require_same_heights(const RasterFacts& raster, const Target& target) {
   if (raster.crs_wkt.empty() || target.crs_wkt.empty() || same_heights(own, wanted)) return;
   throw Failure(Cause::unsupported,
                 fmt::format("{} states other heights in its coordinate system than {}, and Talus changes no heights; "
-                            "--srs overrules what files state",
+                            "InputOptions::srs overrules what files state",
                             raster.name, target.whose));
 }
 
 [[noreturn]] void refuse_grid(const RasterFacts& raster, const Target& target, bool is_same_crs) {
   constexpr const char* kWays =
-      "--t-srs, --tr and --resampling put all inputs on one grid, --grid-of on that of a database";
+      "InputOptions::target_srs, InputOptions::target_dx and InputOptions::resampling put all inputs on one grid, "
+      "InputOptions::grid on that of a database";
   if (raster.crs_wkt.empty() != target.crs_wkt.empty()) {
     const bool is_target = !raster.crs_wkt.empty();
     throw Failure(Cause::unsupported,
-                  fmt::format("{} states no coordinate system, {} does; --srs gives one",
+                  fmt::format("{} states no coordinate system, {} does; InputOptions::srs gives one",
                               is_target ? target.whose : raster.name, is_target ? raster.name : target.whose),
                   raster.name);
   }

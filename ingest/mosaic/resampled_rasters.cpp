@@ -50,8 +50,8 @@ ResampledRasters::Open& ResampledRasters::open(const LaidRasters& laid) {
 }
 
 template <class T>
-void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Coding& coding, T* codes, std::size_t stride,
-                            const std::function<std::uint8_t*()>& valid_at) {
+void ResampledRasters::read(const RasterFacts& facts, GridRect part, const RasterCoding& coding, T* codes,
+                            std::size_t stride, const std::function<std::uint8_t*()>& valid_at) {
   const LaidRasters& laid = *facts.warp->laid;
   Open& set = open(laid);
   // The raster may lie a full turn away from where it is resampled to.
@@ -96,9 +96,11 @@ void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Codin
 }
 
 using ValidAt = std::function<std::uint8_t*()>;
-template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, std::int16_t*, std::size_t,
+template void ResampledRasters::read(const RasterFacts&, GridRect, const RasterCoding&, std::int16_t*, std::size_t,
                                      const ValidAt&);
-template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, float*, std::size_t, const ValidAt&);
-template void ResampledRasters::read(const RasterFacts&, GridRect, const Coding&, double*, std::size_t, const ValidAt&);
+template void ResampledRasters::read(const RasterFacts&, GridRect, const RasterCoding&, float*, std::size_t,
+                                     const ValidAt&);
+template void ResampledRasters::read(const RasterFacts&, GridRect, const RasterCoding&, double*, std::size_t,
+                                     const ValidAt&);
 
 }  // namespace talus

@@ -17,7 +17,7 @@ class ResampledRasters {
  public:
   /// As RasterSource::read, for a raster with a warp. A sample whose nearest cell is another member's is void here.
   template <class T>
-  void read(const RasterFacts& facts, GridRect part, const Coding& coding, T* codes, std::size_t stride,
+  void read(const RasterFacts& facts, GridRect part, const RasterCoding& coding, T* codes, std::size_t stride,
             const std::function<std::uint8_t*()>& valid);
 
  private:

@@ -20,6 +20,7 @@
 #include "ingest/mosaic/placement.hpp"
 #include "ingest/mosaic/resampled_rasters.hpp"
 #include "ingest/mosaic/void_doubts.hpp"
+#include "ingest/raster/crs.hpp"
 #include "ingest/raster/open_rasters.hpp"
 #include "ingest/raster/raster_facts.hpp"
 #include "talus/failure.hpp"
@@ -80,15 +81,16 @@ const char* name_of(Width width) {
 
 struct Types {
   Width width = Width::int16;
-  Coding::Rule rule = Coding::Rule::raw;
+  RasterCoding::Rule rule = RasterCoding::Rule::raw;
   HeightStep step;
   std::string source_type;
 };
 
 HeightStep forced_step(double metres, double metres_per_unit) {
   if (!std::isfinite(metres) || metres < 1e-6 || metres > kLargestHeight) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("--height-step {}: expected metres from 0.000001 to {}", metres, kLargestHeight));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("InputOptions::height_step {}: expected metres from 0.000001 to {}", metres, kLargestHeight));
   }
   const double units = metres / metres_per_unit, parts = std::round(1 / units);
   // 0.1 is a tenth: the code is divided by ten, so that heights are the doubles nearest to their decimals.
@@ -116,7 +118,7 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
     return std::all_of(rasters.begin(), rasters.end(), [&](const RasterFacts& r) { return has_step(r, step); });
   };
   if (options.height_step != 0) {
-    types.rule = Coding::Rule::rounded;
+    types.rule = RasterCoding::Rule::rounded;
     types.step = forced_step(options.height_step, first.metres_per_unit);
     const bool all_bare = std::all_of(rasters.begin(), rasters.end(), is_bare);
     if (options.height_step < 1 || !all_bare) types.width = std::max(types.width, Width::float32);
@@ -125,9 +127,9 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
     types.step = wanted.value_or(of_first);
   } else {
     types.step = {1, 1, 0, false};
-    types.rule = Coding::Rule::value;
+    types.rule = RasterCoding::Rule::value;
     if (std::all_of(rasters.begin(), rasters.end(), is_bare)) {
-      types.rule = Coding::Rule::raw;
+      types.rule = RasterCoding::Rule::raw;
       types.width = std::max(types.width, Width::float32);
     } else {
       types.width = Width::float64;
@@ -331,7 +333,7 @@ template <class T>
 bool Source::Reader::read(const Layer& layer, GridRect part, T* codes, std::size_t stride,
                           const std::function<std::uint8_t*()>& valid) const {
   const RasterFacts& facts = plan.rasters[layer.raster];
-  const Coding coding{plan.types.rule, plan.types.step};
+  const RasterCoding coding{plan.types.rule, plan.types.step};
   if (!facts.warp) return open.get(layer.raster).read(layer.in_raster(part), coding, codes, stride, valid);
   resampled.read(facts, layer.in_raster(part), coding, codes, stride, valid);
   return true;
@@ -432,6 +434,7 @@ Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options)
   d.extent = placement.extent;
   d.mapping = placement.mapping;
   d.crs_wkt = placement.crs_wkt;
+  d.crs = facts_of_crs(d.crs_wkt);
   d.source_name = name_of(plan.rasters);
   d.source_type = plan.types.source_type;
   d.vertical_unit = plan.rasters.front().vertical_unit;

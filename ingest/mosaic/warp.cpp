@@ -149,7 +149,7 @@ GDALResampleAlg resampling_of(const std::string& word) {
   if (word == "cubic") return GRA_Cubic;
   if (word == "average") return GRA_Average;
   throw Failure(Cause::invalid_argument,
-                fmt::format("--resampling {}: expected near, bilinear, cubic or average", word));
+                fmt::format("InputOptions::resampling {}: expected near, bilinear, cubic or average", word));
 }
 
 GridMapping suggested_grid(const LaidRasters& laid, const std::string& target_crs) {
@@ -171,7 +171,7 @@ GridRect place_of(const LaidRasters& laid, GridRect part) {
   if (!(west >= -limit && east <= limit && north >= -limit && south <= limit)) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("{} would take columns {} to {}, rows {} to {} of the target grid; at most {} a side can "
-                              "be taken in: choose larger cells with --tr",
+                              "be taken in: choose larger cells with InputOptions::target_dx",
                               name_of(laid), west, east, north, south, kMaxExtent),
                   laid.members.front().name);
   }
@@ -179,7 +179,7 @@ GridRect place_of(const LaidRasters& laid, GridRect part) {
     throw Failure(
         Cause::invalid_argument,
         fmt::format("{} holds no sample of the target grid: it is smaller than a cell (choose smaller cells with "
-                    "--tr), or it crosses the edge of the target coordinate system (choose another)",
+                    "InputOptions::target_dx), or it crosses the edge of the target coordinate system (choose another)",
                     name_of(laid)),
         laid.members.front().name);
   }

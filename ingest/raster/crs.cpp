@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include <cpl_conv.h>
@@ -101,6 +103,31 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
                   fmt::format("a vertical coordinate system cannot be joined to the target{}", gdal.reason()));
   }
   return wkt_of(both, "the target");
+}
+
+CrsFacts facts_of_crs(const std::string& wkt) {
+  GdalScope gdal;
+  CrsFacts facts;
+  OGRSpatialReference crs;
+  if (wkt.empty() || crs.importFromWkt(wkt.c_str()) != OGRERR_NONE) return facts;
+  if (const char* name = crs.GetName()) facts.name = name;
+  const OGRSpatialReference flat = horizontal(crs);
+  for (const OGRSpatialReference* named : {static_cast<const OGRSpatialReference*>(&crs), &flat}) {
+    const char* authority = named->GetAuthorityName(nullptr);
+    const char* code = named->GetAuthorityCode(nullptr);
+    if (facts.epsg == 0 && authority != nullptr && code != nullptr && std::string_view(authority) == "EPSG")
+      facts.epsg = std::atoi(code);
+  }
+  if (crs.IsGeographic() == 0) {
+    facts.metres_per_unit = crs.GetLinearUnits();
+    return facts;
+  }
+  facts.is_geographic = true;
+  facts.degrees_per_unit = crs.GetAngularUnits() * 180 / std::numbers::pi;
+  facts.equatorial_radius = crs.GetSemiMajor();
+  const double inverse = crs.GetInvFlattening();
+  facts.flattening = inverse == 0 ? 0 : 1 / inverse;
+  return facts;
 }
 
 double full_turn(const std::string& wkt) {

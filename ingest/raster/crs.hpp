@@ -5,6 +5,8 @@
 
 #include <ogr_spatialref.h>
 
+#include "talus/description.hpp"
+
 namespace talus {
 
 /// What a user wrote (EPSG:25832, WKT, PROJ) as WKT 2.
@@ -25,6 +27,9 @@ namespace talus {
 [[nodiscard]] bool same_heights(const OGRSpatialReference& crs, const OGRSpatialReference& other);
 /// `target`, with the vertical CRS of `source` where it has none itself.
 [[nodiscard]] std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialReference& source);
+
+/// What Talus needs to know of a CRS. No CRS, or one that is not understood: coordinates are metres.
+[[nodiscard]] CrsFacts facts_of_crs(const std::string& wkt);
 
 /// A full turn in the CRS's units if it counts longitudes, else 0.
 [[nodiscard]] double full_turn(const std::string& wkt);

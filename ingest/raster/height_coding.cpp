@@ -11,8 +11,8 @@
 namespace talus {
 
 template <class T>
-SureHeights<T> sure_heights(const RasterFacts& facts, const Coding& coding) {
-  if (coding.rule != Coding::Rule::raw) return {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
+SureHeights<T> sure_heights(const RasterFacts& facts, const RasterCoding& coding) {
+  if (coding.rule != RasterCoding::Rule::raw) return {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
   // A little inside the largest heights.
   const HeightStep& step = coding.step;
   const double scale = step.integer ? step.scale / step.divisor : 1, offset = step.integer ? step.offset : 0;
@@ -27,7 +27,7 @@ SureHeights<T> sure_heights(const RasterFacts& facts, const Coding& coding) {
 
 template <class T>
 void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts,
-                  const Coding& coding, GridPoint first) {
+                  const RasterCoding& coding, GridPoint first) {
   const SureHeights<T> sure = sure_heights<T>(facts, coding);
   const double largest = kLargestHeight / facts.metres_per_unit;
   const bool is_integer = facts.is_integer();
@@ -41,7 +41,7 @@ void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const
     T* row = patch.row(r);
     const std::uint8_t* ok = valid.row(r);
     for (std::size_t c = 0; c < patch.cols; ++c) {
-      if (ok[c] == 0 || (coding.rule == Coding::Rule::raw && row[c] >= sure.low && row[c] <= sure.high)) continue;
+      if (ok[c] == 0 || (coding.rule == RasterCoding::Rule::raw && row[c] >= sure.low && row[c] <= sure.high)) continue;
       const double value = value_of(static_cast<double>(row[c]));
       if (!(std::abs(value) <= largest)) {
         throw Failure(
@@ -53,22 +53,22 @@ void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const
                         first.row + static_cast<std::int64_t>(r), kLargestHeight),
             facts.name);
       }
-      if (coding.rule == Coding::Rule::value) row[c] = static_cast<T>(value);
-      if (coding.rule == Coding::Rule::rounded) {
+      if (coding.rule == RasterCoding::Rule::value) row[c] = static_cast<T>(value);
+      if (coding.rule == RasterCoding::Rule::rounded) {
         row[c] = static_cast<T>(std::nearbyint((value - step.offset) * step.divisor / step.scale) + 0.0);
       }
     }
   }
 }
 
-template SureHeights<std::int16_t> sure_heights(const RasterFacts&, const Coding&);
-template SureHeights<float> sure_heights(const RasterFacts&, const Coding&);
-template SureHeights<double> sure_heights(const RasterFacts&, const Coding&);
-template void code_heights(const Patch<std::int16_t>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&,
+template SureHeights<std::int16_t> sure_heights(const RasterFacts&, const RasterCoding&);
+template SureHeights<float> sure_heights(const RasterFacts&, const RasterCoding&);
+template SureHeights<double> sure_heights(const RasterFacts&, const RasterCoding&);
+template void code_heights(const Patch<std::int16_t>&, const Patch<std::uint8_t>&, const RasterFacts&,
+                           const RasterCoding&, GridPoint);
+template void code_heights(const Patch<float>&, const Patch<std::uint8_t>&, const RasterFacts&, const RasterCoding&,
                            GridPoint);
-template void code_heights(const Patch<float>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&,
-                           GridPoint);
-template void code_heights(const Patch<double>&, const Patch<std::uint8_t>&, const RasterFacts&, const Coding&,
+template void code_heights(const Patch<double>&, const Patch<std::uint8_t>&, const RasterFacts&, const RasterCoding&,
                            GridPoint);
 
 }  // namespace talus

@@ -8,7 +8,7 @@
 
 namespace talus {
 
-struct Coding {
+struct RasterCoding {
   enum class Rule {
     raw,     ///< a code is the sample
     value,   ///< a code is the height: scale and offset applied
@@ -32,7 +32,7 @@ struct SureHeights {
   T low, high;
 };
 template <class T>
-[[nodiscard]] SureHeights<T> sure_heights(const RasterFacts& facts, const Coding& coding);
+[[nodiscard]] SureHeights<T> sure_heights(const RasterFacts& facts, const RasterCoding& coding);
 
 /// Makes codes of the raw samples that are data.
 ///
@@ -41,6 +41,6 @@ template <class T>
 /// fails  invalid_argument: a sample that is no height
 template <class T>
 void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts,
-                  const Coding& coding, GridPoint first);
+                  const RasterCoding& coding, GridPoint first);
 
 }  // namespace talus

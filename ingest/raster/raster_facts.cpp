@@ -154,14 +154,14 @@ void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& fa
   if (handle == nullptr && GDALGetGCPCount(dataset) > 0) handle = GDALGetGCPSpatialRef(dataset);
   if (handle != nullptr) facts.crs_wkt = wkt_of(*OGRSpatialReference::FromHandle(handle), facts.name);
   if (!options.srs.empty()) {
-    const std::string said = wkt_of(options.srs, "--srs");
+    const std::string said = wkt_of(options.srs, "InputOptions::srs");
     if (!facts.crs_wkt.empty() && !same_crs(said, facts.crs_wkt)) {
-      facts.notes.push_back("states another coordinate system than --srs, which was taken");
+      facts.notes.push_back("states another coordinate system than InputOptions::srs, which was taken");
     }
     facts.crs_wkt = said;
   }
   if (facts.crs_wkt.empty()) {
-    facts.notes.push_back("states no coordinate system, its cells count as metres; --srs gives one");
+    facts.notes.push_back("states no coordinate system, its cells count as metres; InputOptions::srs gives one");
   } else {
     require_possible(facts);
   }
@@ -171,7 +171,7 @@ double known_unit(const std::string& unit, const std::string& name) {
   if (const std::optional<double> metres = metres_in(unit)) return *metres;
   throw Failure(Cause::unsupported,
                 fmt::format("{} has heights in \"{}\"; Talus knows metre, km, dm, cm, mm, foot and us-survey-foot, and "
-                            "--vertical-unit says which it is",
+                            "InputOptions::vertical_unit says which it is",
                             name, unit));
 }
 
@@ -195,15 +195,16 @@ void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
   if (!options.vertical_unit.empty()) {
     const std::optional<double> metres = metres_in(options.vertical_unit);
     if (!metres) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("--vertical-unit {}: expected metre, km, dm, cm, mm, foot or us-survey-foot",
-                                options.vertical_unit));
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("InputOptions::vertical_unit {}: expected metre, km, dm, cm, mm, foot or us-survey-foot",
+                      options.vertical_unit));
     }
     facts.vertical_unit = options.vertical_unit;
     facts.metres_per_unit = *metres;
     if (!stated.empty() && metres_in(stated) != metres) {
-      facts.notes.push_back(
-          fmt::format("states heights in \"{}\", not in {} as --vertical-unit says", stated, options.vertical_unit));
+      facts.notes.push_back(fmt::format("states heights in \"{}\", not in {} as InputOptions::vertical_unit says",
+                                        stated, options.vertical_unit));
     }
     return;
   }
@@ -212,15 +213,17 @@ void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
     facts.vertical_unit = stated;
     facts.metres_per_unit = known_unit(stated, facts.name);
     if (of_crs && std::abs(of_crs->metres / facts.metres_per_unit - 1) > 1e-9) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} states heights in \"{}\", its coordinate system in \"{}\"; --vertical-unit decides",
-                                facts.name, stated, of_crs->name));
+      throw Failure(
+          Cause::unsupported,
+          fmt::format(
+              "{} states heights in \"{}\", its coordinate system in \"{}\"; InputOptions::vertical_unit decides",
+              facts.name, stated, of_crs->name));
     }
     return;
   }
   facts.vertical_unit = "metre";
   if (!of_crs) {
-    facts.notes.push_back("states no vertical unit, metres were taken; --vertical-unit gives another");
+    facts.notes.push_back("states no vertical unit, metres were taken; InputOptions::vertical_unit gives another");
   } else if (of_crs->metres != 1) {
     facts.vertical_unit = of_crs->name;
     const std::optional<double> known = metres_in(of_crs->name);  // to the last bit
@@ -440,10 +443,10 @@ void require_distinct(const GridMapping& m, GridRect extent, const std::string& 
 void require_own_grid(const RasterFacts& facts) {
   if (facts.is_rotated) {
     const std::array<double, 6>& t = facts.geotransform;
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}); --t-srs, --tr or "
-                              "gdalwarp make it north-up",
-                              facts.name, t[0], t[1], t[2], t[3], t[4], t[5]));
+    throw Failure(Cause::unsupported, fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}); "
+                                                  "InputOptions::target_srs, InputOptions::target_dx or "
+                                                  "gdalwarp make it north-up",
+                                                  facts.name, t[0], t[1], t[2], t[3], t[4], t[5]));
   }
   require_distinct(facts.mapping, {{0, 0}, {facts.cols - 1, facts.rows - 1}}, facts.name);
 }

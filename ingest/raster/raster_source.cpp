@@ -192,14 +192,15 @@ void RasterSource::read_samples(GridRect part, const Patch<T>& samples) const {
 }
 
 template <class T>
-bool RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size_t stride,
+bool RasterSource::read(GridRect part, const RasterCoding& coding, T* codes, std::size_t stride,
                         const std::function<std::uint8_t*()>& valid_at) const {
   const Patch<T> patch{codes, static_cast<std::size_t>(part.cols()), static_cast<std::size_t>(part.rows()), stride};
   read_samples(part, patch);
 
   const VoidValue<T> nodata = void_value<T>(facts_);
   const bool says_only_nodata = mask_ == nullptr && alphas_.empty() && facts_.assumed_voids.empty();
-  if (says_only_nodata && coding.rule == Coding::Rule::raw && is_plain(patch, nodata, sure_heights<T>(facts_, coding)))
+  if (says_only_nodata && coding.rule == RasterCoding::Rule::raw &&
+      is_plain(patch, nodata, sure_heights<T>(facts_, coding)))
     return false;
   const Patch<std::uint8_t> valid{valid_at(), patch.cols, patch.rows, stride};
   if (mask_ != nullptr) {
@@ -225,8 +226,8 @@ bool RasterSource::read(GridRect part, const Coding& coding, T* codes, std::size
 }
 
 using ValidAt = std::function<std::uint8_t*()>;
-template bool RasterSource::read(GridRect, const Coding&, std::int16_t*, std::size_t, const ValidAt&) const;
-template bool RasterSource::read(GridRect, const Coding&, float*, std::size_t, const ValidAt&) const;
-template bool RasterSource::read(GridRect, const Coding&, double*, std::size_t, const ValidAt&) const;
+template bool RasterSource::read(GridRect, const RasterCoding&, std::int16_t*, std::size_t, const ValidAt&) const;
+template bool RasterSource::read(GridRect, const RasterCoding&, float*, std::size_t, const ValidAt&) const;
+template bool RasterSource::read(GridRect, const RasterCoding&, double*, std::size_t, const ValidAt&) const;
 
 }  // namespace talus

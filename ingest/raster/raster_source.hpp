@@ -26,7 +26,7 @@ class RasterSource {
   /// fails   io: names the rows; invalid_argument: a sample that is no height
   /// cost    one read of the file
   template <class T>
-  bool read(GridRect part, const Coding& coding, T* codes, std::size_t stride,
+  bool read(GridRect part, const RasterCoding& coding, T* codes, std::size_t stride,
             const std::function<std::uint8_t*()>& valid) const;
 
  private:

@@ -80,7 +80,7 @@ bool Changes::touches(GridRect window) const {
   return false;
 }
 
-Changes changes_by(const Base& base, const Source& source, std::size_t kind, std::int32_t tiles_across,
+Changes changes_by(const ExistingDatabase& base, const Source& source, std::size_t kind, std::int32_t tiles_across,
                    const std::function<void()>& tell) {
   Changes changes;
   const Description& d = base.manifest().description;

@@ -24,8 +24,8 @@ struct Changes {
 /// tiles_across  how many tiles are looked at at once; memory follows from it
 /// tell          called now and then; may throw
 /// cost          a pass over the new samples, and over the old ones beneath
-[[nodiscard]] Changes changes_by(const Base& base, const Source& source, std::size_t kind, std::int32_t tiles_across,
-                                 const std::function<void()>& tell);
+[[nodiscard]] Changes changes_by(const ExistingDatabase& base, const Source& source, std::size_t kind,
+                                 std::int32_t tiles_across, const std::function<void()>& tell);
 
 /// Room for codes of a kind, see code_kind.
 [[nodiscard]] Codes codes_of_kind(std::size_t kind, std::size_t samples);

@@ -10,7 +10,7 @@
 
 namespace talus {
 
-Base::Base(const std::filesystem::path& database) : txn_(PageStore::open(database)) {
+ExistingDatabase::ExistingDatabase(const std::filesystem::path& database) : txn_(PageStore::open(database)) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
   if (!header)
     throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", database.string()));
@@ -21,19 +21,20 @@ Base::Base(const std::filesystem::path& database) : txn_(PageStore::open(databas
   }
 }
 
-Provenance Base::provenance() const {
+Provenance ExistingDatabase::provenance() const {
   const auto stored = txn_.find({kHeaderTable, kProvenancePosition});
   return stored ? decode_provenance(stored->content) : Provenance{};
 }
 
-std::uint32_t Base::generation_of(PageKey key, std::span<const std::byte> content, std::uint32_t otherwise) const {
+std::uint32_t ExistingDatabase::generation_of(PageKey key, std::span<const std::byte> content,
+                                              std::uint32_t otherwise) const {
   const auto stored = txn_.find(key);
   const bool same =
       stored && std::equal(content.begin(), content.end(), stored->content.begin(), stored->content.end());
   return same ? stored->generation : otherwise;
 }
 
-void Base::fill(Window& window) const {
+void ExistingDatabase::fill(Window& window) const {
   const GridRect& extent = manifest_.description.extent;
   if (!overlap(window.region, extent)) return;
   const CodeDistance distance(manifest_.description.step, manifest_.description.metres_per_unit);

@@ -10,10 +10,10 @@
 namespace talus {
 
 /// A database as ingest sees it: samples on its grid. Several threads may ask for generations, one for samples.
-class Base {
+class ExistingDatabase {
  public:
   /// fails  not_found, corrupt, unsupported
-  explicit Base(const std::filesystem::path& database);
+  explicit ExistingDatabase(const std::filesystem::path& database);
 
   [[nodiscard]] const Manifest& manifest() const { return manifest_; }
   [[nodiscard]] Provenance provenance() const;

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
 #include "engine/tile/coarse_levels.hpp"
 #include "ingest/files/gdal_scope.hpp"
-#include "ingest/raster/ground.hpp"
 #include "ingest/work/thread_pool.hpp"
 
 namespace talus {
@@ -21,9 +21,9 @@ using Clock = std::chrono::steady_clock;
 /// What of the time goes into tiles; the rest is settling the levels above them and sealing the file.
 constexpr double kTileShare = 0.97;
 
-class Teller {
+class ProgressReporter {
  public:
-  Teller(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
+  ProgressReporter(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
 
   void beginning(const char* stage) { say(stage, 0, 0); }
   void tiles(std::uint64_t samples) { tell(samples, "tiles", kTileShare); }
@@ -48,7 +48,7 @@ class Teller {
 
 /// What a future holds; meanwhile the caller is told, and may throw.
 template <class Result>
-Result wait_for(std::future<Result>& future, Teller& teller, std::uint64_t samples) {
+Result wait_for(std::future<Result>& future, ProgressReporter& teller, std::uint64_t samples) {
   while (future.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) teller.tiles(samples);
   return future.get();
 }
@@ -123,12 +123,12 @@ void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
   std::erase_if(panels, [](const Panel& panel) { return panel.tiles.empty(); });
   if (panels.empty()) return;
   const std::uint64_t settled_before = settled;
-  Teller teller(job, settled);
+  ProgressReporter teller(job, settled);
   teller.tiles(settled);
 
   PanelReader reader(job.read);
   std::deque<TileMemory> memories(job.budget.threads);
-  Crew crew(job.budget.threads);  // after what its work looks at
+  ThreadPool crew(job.budget.threads);  // after what its work looks at
   const auto read = [&](std::size_t i) { return crew.give([&, i](unsigned) { return &reader.read(panels[i]); }); };
   auto next = read(0);
   for (std::size_t i = 0; i < panels.size(); ++i) {
@@ -245,7 +245,7 @@ void require_sense(const IngestOptions& options) {
     throw Failure(
         Cause::invalid_argument,
         "midpoint errors bound nothing: samples may lie any distance beyond the tolerance. Take exact errors, or say "
-        "that no answer of this database needs to keep its bound (--no-guarantee)");
+        "that no answer of this database needs to keep its bound (IngestOptions::no_guarantee)");
   }
   if (options.error_kind == ErrorKind::nested && options.error_metric == ErrorMetric::perpendicular) {
     throw Failure(
@@ -277,7 +277,15 @@ void require_sense(const IngestOptions& options) {
 Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes, ReadWindow read,
            const IngestOptions& options) {
   require_sense(options);
-  Job job{options, description, std::move(read), {}, {}, nullptr, ground_scale(description), {}, {}};
+  Job job{options,
+          description,
+          std::move(read),
+          {},
+          {},
+          nullptr,
+          Ground(description.crs).scale_of(description.mapping, description.extent),
+          {},
+          {}};
   const Description& d = job.description;
   job.is_stale = [](TileId) { return false; };
   job.distance = CodeDistance(d.step, d.metres_per_unit);
@@ -288,7 +296,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   return job;
 }
 
-void tell_of(const Job& job, const char* stage) { Teller(job, 0).beginning(stage); }
+void tell_of(const Job& job, const char* stage) { ProgressReporter(job, 0).beginning(stage); }
 
 IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
   IngestEstimate sum;
@@ -331,7 +339,7 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
   const RasterCache cache(job.budget.gdal_cache_bytes);
   IngestReport report;
   settle_tiles(job, writer, report);
-  Teller teller(job, 0);
+  ProgressReporter teller(job, 0);
   teller.rest("levels above tiles", kTileShare);
   std::vector<PageBytes> coarse;
   const Totals totals = settle_coarse(job, writer, report, coarse);

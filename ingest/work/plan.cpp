@@ -14,27 +14,29 @@ namespace talus {
 
 namespace {
 
-/// The options that the content depends on beyond the inputs, as one would type them.
+/// The options that the content depends on beyond the inputs, each as its field and its value.
 std::string typed(const IngestOptions& options) {
   const InputOptions& in = options.inputs;
   std::string text;
-  if (options.finest_tolerance != 0) text += fmt::format(", --tolerance {}", options.finest_tolerance);
-  if (options.error_kind != ErrorKind::exact) text += fmt::format(", --error {}", name_of(options.error_kind));
+  if (options.finest_tolerance != 0)
+    text += fmt::format(", IngestOptions::finest_tolerance {}", options.finest_tolerance);
+  if (options.error_kind != ErrorKind::exact)
+    text += fmt::format(", IngestOptions::error_kind {}", name_of(options.error_kind));
   if (options.error_metric != ErrorMetric::vertical)
-    text += fmt::format(", --metric {}", name_of(options.error_metric));
-  if (options.void_weight != 1) text += fmt::format(", --void-weight {}", options.void_weight);
-  if (!in.srs.empty()) text += fmt::format(", --srs {}", in.srs);
-  if (in.band != 0) text += fmt::format(", --band {}", in.band);
-  if (!in.variable.empty()) text += fmt::format(", --variable {}", in.variable);
-  for (const double value : in.nodata) text += fmt::format(", --nodata {}", value);
+    text += fmt::format(", IngestOptions::error_metric {}", name_of(options.error_metric));
+  if (options.void_weight != 1) text += fmt::format(", IngestOptions::void_weight {}", options.void_weight);
+  if (!in.srs.empty()) text += fmt::format(", InputOptions::srs {}", in.srs);
+  if (in.band != 0) text += fmt::format(", InputOptions::band {}", in.band);
+  if (!in.variable.empty()) text += fmt::format(", InputOptions::variable {}", in.variable);
+  for (const double value : in.nodata) text += fmt::format(", InputOptions::nodata {}", value);
   if (in.decode != ColourCode::none)
-    text += fmt::format(", --decode {}", in.decode == ColourCode::terrarium ? "terrarium" : "terrain-rgb");
-  if (!in.vertical_unit.empty()) text += fmt::format(", --vertical-unit {}", in.vertical_unit);
-  if (in.priority_resolution) text += ", --priority resolution";
-  if (!in.target_srs.empty()) text += fmt::format(", --t-srs {}", in.target_srs);
-  if (in.target_dx != 0) text += fmt::format(", --tr {},{}", in.target_dx, in.target_dy);
-  if (!in.resampling.empty()) text += fmt::format(", --resampling {}", in.resampling);
-  if (in.height_step != 0) text += fmt::format(", --height-step {}", in.height_step);
+    text += fmt::format(", InputOptions::decode {}", in.decode == ColourCode::terrarium ? "terrarium" : "terrain-rgb");
+  if (!in.vertical_unit.empty()) text += fmt::format(", InputOptions::vertical_unit {}", in.vertical_unit);
+  if (in.priority_resolution) text += ", InputOptions::priority_resolution";
+  if (!in.target_srs.empty()) text += fmt::format(", InputOptions::target_srs {}", in.target_srs);
+  if (in.target_dx != 0) text += fmt::format(", InputOptions::target_dx {},{}", in.target_dx, in.target_dy);
+  if (!in.resampling.empty()) text += fmt::format(", InputOptions::resampling {}", in.resampling);
+  if (in.height_step != 0) text += fmt::format(", InputOptions::height_step {}", in.height_step);
   return text;
 }
 

@@ -13,19 +13,19 @@
 namespace talus {
 
 /// What is given first is begun first. Leaving it drops what was not begun and waits for what was.
-class Crew {
+class ThreadPool {
  public:
-  explicit Crew(unsigned threads) {
+  explicit ThreadPool(unsigned threads) {
     for (unsigned i = 0; i < threads; ++i) {
       threads_.emplace_back([this, i](const std::stop_token& stop) { work(stop, i); });
     }
   }
-  ~Crew() {
+  ~ThreadPool() {
     for (std::jthread& thread : threads_) thread.request_stop();
     ready_.notify_all();
   }
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
 
   /// work(number of the thread, from 0). The future holds what it returns or throws.
   template <class Work>

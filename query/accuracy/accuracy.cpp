@@ -16,12 +16,12 @@
 
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "query/accuracy/accuracy_windows.hpp"
 #include "query/accuracy/cold_file.hpp"
 #include "query/accuracy/true_error.hpp"
-#include "query/geo/ground.hpp"
 #include "query/pages/stopwatch.hpp"
 
 namespace talus {
@@ -408,7 +408,7 @@ class Study {
 
   void draw_maps() {
     const Snapshot now = open().snapshot();
-    const Ground ground(description_.crs_wkt);
+    const Ground ground(description_.crs);
     for (std::size_t w = 0; w < report.windows.size(); ++w) {
       tell("drawing maps");
       const Mesh mesh = triangulate(now.range(report.windows[w], report.map_tolerance).quadtree, options_.threads);

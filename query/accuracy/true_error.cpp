@@ -16,9 +16,9 @@ constexpr std::int64_t kLeastStripRows = 16;
 
 // A closed triangle over grid points: p is in it iff all three weights are >= 0. The weights are twice
 // the areas p makes with the sides; they add up to twice the triangle's own.
-class Facet {
+class JudgedTriangle {
  public:
-  Facet(const Mesh& mesh, const std::array<std::uint32_t, 3>& ids) {
+  JudgedTriangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& ids) {
     for (std::size_t i = 0; i < 3; ++i) {
       corner_[i] = mesh.points[ids[i]];
       height_[i] = mesh.heights[ids[i]];
@@ -126,7 +126,7 @@ std::vector<std::uint8_t> covered_samples(const SampleWindow& window) {
 // Triangle numbers by their northernmost row.
 std::vector<std::uint32_t> from_north_to_south(const Mesh& mesh) {
   const auto bucket = [&](std::size_t t) {
-    const std::int32_t row = Facet(mesh, mesh.triangles[t]).first_row();
+    const std::int32_t row = JudgedTriangle(mesh, mesh.triangles[t]).first_row();
     return static_cast<std::size_t>(std::clamp(row, mesh.region.first.row, mesh.region.last.row) -
                                     mesh.region.first.row);
   };
@@ -161,12 +161,12 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
     constexpr double kUntouched = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> farthest(covered.size(), kUntouched);  // surface less sample, in metres
 
-    while (next < order.size() && Facet(mesh, mesh.triangles[order[next]]).first_row() <= last) {
+    while (next < order.size() && JudgedTriangle(mesh, mesh.triangles[order[next]]).first_row() <= last) {
       reaching.push_back(order[next++]);
     }
     std::size_t kept = 0;
     for (const std::uint32_t id : reaching) {
-      const Facet facet{mesh, mesh.triangles[id]};
+      const JudgedTriangle facet{mesh, mesh.triangles[id]};
       const double cosine = cells ? facet.cosine(description.metres_per_unit, cells(facet.middle_row())) : 0;
       for (std::int32_t row = std::max(first, facet.first_row()); row <= std::min(last, facet.last_row()); ++row) {
         const std::size_t start = window.index({region.first.col, row});

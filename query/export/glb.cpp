@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "query/export/writers.hpp"
-#include "query/geo/ground.hpp"
+#include "engine/geo/ground.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -123,7 +123,7 @@ class Model {
 
   [[nodiscard]] Json node() const {
     const GridMapping& m = description_.mapping;
-    const Ground ground(description_.crs_wkt);
+    const Ground ground(description_.crs);
     const double x = m.x(middle_.col), y = m.y(middle_.row), up = description_.metres_per_unit;
     const double east = ground.is_geographic() ? ground.metres({x - m.dx / 2, y}, {x + m.dx / 2, y})
                                                : std::abs(m.dx) * ground.metres_per_unit();

@@ -27,26 +27,38 @@ Metres exactly(const Mesh& mesh, const Description& description, OutputFile& out
   return Metres{0};
 }
 
-constexpr std::array<Format, 5> kFormats{{{".ply", exactly<write_ply>},
+constexpr std::array<Format, 3> kFormats{{{".ply", exactly<write_ply>},
                                           {".obj", exactly<write_obj>},
-                                          {".glb", write_glb},
-                                          {".tif", exactly<write_tif>},
-                                          {".png", exactly<write_png>}}};
+                                          {".glb", write_glb}}};
 
-const Format& format_of(const std::filesystem::path& file) {
+const Format* known_format(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Format& format : kFormats) {
-    if (format.ending == ending) return format;
+    if (format.ending == ending) return &format;
   }
+  return nullptr;
+}
+
+const Format& format_of(const std::filesystem::path& file) {
+  if (const Format* format = known_format(file)) return *format;
   throw Failure(
       Cause::invalid_argument,
-      fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .glb, .tif, .png or .rqt",
+      fmt::format("cannot tell what mesh to write to {}: the name must end in .ply, .obj or .glb; write_raster writes "
+                  ".tif and .png, write_stream .rqt",
                   file.string()));
 }
 
-// A mesh may come from anywhere; the writers index by it.
+}  // namespace
+
+bool is_mesh_file(const std::filesystem::path& file) { return known_format(file) != nullptr; }
+
+void check_mesh_file(const std::filesystem::path& file) {
+  blaming(file, [&] { static_cast<void>(format_of(file)); });
+  check_folder(file);
+}
+
 void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
   const std::size_t points = mesh.size();
   if (mesh.heights.size() != points) {
@@ -62,13 +74,6 @@ void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
                                 file.string(), i, id, points));
     }
   }
-}
-
-}  // namespace
-
-void check_mesh_file(const std::filesystem::path& file) {
-  blaming(file, [&] { static_cast<void>(format_of(file)); });
-  check_folder(file);
 }
 
 void check_folder(const std::filesystem::path& file) {

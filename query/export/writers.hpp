@@ -10,8 +10,13 @@ namespace talus {
 /// Fails with invalid_argument for an ending write_mesh does not know, and where the folder is missing:
 /// what write_mesh would find out only after the work.
 void check_mesh_file(const std::filesystem::path& file);
-/// Of these the folder, whatever the ending.
+/// Whether write_mesh knows the ending.
+[[nodiscard]] bool is_mesh_file(const std::filesystem::path& file);
+/// The same for the folder alone, whatever the ending.
 void check_folder(const std::filesystem::path& file);
+/// A mesh may come from anywhere, and writers index by it.
+/// fails  invalid_argument: heights or triangles that do not fit the points; names the file
+void check_mesh(const Mesh& mesh, const std::filesystem::path& file);
 
 /// Binary little endian; `double x y z` in CRS units and the vertical unit, `list uchar int
 /// vertex_indices`. Fails with unsupported beyond 2³¹ − 1 vertices.
@@ -19,11 +24,6 @@ void write_ply(const Mesh& mesh, const Description& description, OutputFile& out
 
 /// Text; `v x y z` shortest round trip in the same units, `f` counted from 1.
 void write_obj(const Mesh& mesh, const Description& description, OutputFile& out);
-
-/// A picture, north up, some 800 to 1600 pixels on the longer side and as wide as it would look on the
-/// ground: the surface lit from the north-west and tinted by height, its triangles over it, void in
-/// grey. Triangles of few pixels fade into the relief.
-void write_png(const Mesh& mesh, const Description& description, OutputFile& out);
 
 /// glTF 2.0 in one binary file: one node, one mesh, float positions, uint32 indices; y up, x east, z south, metres.
 ///
@@ -39,12 +39,5 @@ void write_png(const Mesh& mesh, const Description& description, OutputFile& out
 ///          side at most, and slope turns that into height
 /// fails    unsupported: more than 4 GiB, heights beyond floats, more than 2²⁴ cells from the middle
 Metres write_glb(const Mesh& mesh, const Description& description, OutputFile& out);
-
-/// GeoTIFF: the surface at the samples of the mesh's region, in the vertical unit; NaN, which is its nodata, where no
-/// triangle is. Float32 where that holds every one of these heights exactly, else Float64; tiled, DEFLATE.
-///
-/// fails  full, io: GDAL's own sentence; unsupported: a GDAL that writes none
-/// cost   the triangles are laid over the samples twice; memory 4 bytes a triangle and a strip of samples
-void write_tif(const Mesh& mesh, const Description& description, OutputFile& out);
 
 }  // namespace talus

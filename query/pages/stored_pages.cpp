@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "query/geo/ground.hpp"
-#include "query/geo/longitude.hpp"
+#include "engine/geo/ground.hpp"
+#include "engine/geo/longitude.hpp"
 #include "query/pages/extent_border.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "storage/checksum.hpp"
@@ -46,7 +46,7 @@ const ExtentBorder& StoredPages::extent_border() const {
 }
 
 Longitudes StoredPages::longitudes() const {
-  std::call_once(lazy_->turn_once, [&] { lazy_->turn = Ground(manifest_.description.crs_wkt).full_turn(); });
+  std::call_once(lazy_->turn_once, [&] { lazy_->turn = Ground(manifest_.description.crs).full_turn(); });
   return {lazy_->turn, manifest_.description};
 }
 

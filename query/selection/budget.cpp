@@ -80,7 +80,7 @@ class Fitting {
       throw Failure(
           Cause::invalid_argument,
           fmt::format("a budget of {}: the region's border alone needs {} vertices and {} triangles; a region "
-                      "on multiples of 16 samples (--snap 16) needs fewest",
+                      "on multiples of 16 samples needs fewest",
                       budget_text(), border_.vertices, border_.triangles));
     }
   }

@@ -15,7 +15,7 @@ Increment increment_query(const StoredPages& pages, GridRect region, Metres from
   require_tolerance(to);
   if (!(to < from)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("increment from {} m to {} m: expected a finer one to go to: --tolerance below --from",
+                  fmt::format("increment from {} m to {} m: the tolerance must be below the one to go on from",
                               from.value, to.value));
   }
   Answer added = range_query(pages, region, to, threads, from);

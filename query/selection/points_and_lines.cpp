@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "query/geo/longitude.hpp"
+#include "engine/geo/longitude.hpp"
 #include "talus/failure.hpp"
 #include "talus/quadtree.hpp"
 

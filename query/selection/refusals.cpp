@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
+#include "engine/geo/longitude.hpp"
 #include "engine/quadtree/grid.hpp"
-#include "query/geo/ground.hpp"
-#include "query/geo/longitude.hpp"
 #include "query/selection/matching.hpp"
 #include "talus/failure.hpp"
 
@@ -52,7 +52,7 @@ std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, doub
         "database's CRS",
         x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row)));
   }
-  const Ground ground(d.crs_wkt);
+  const Ground ground(d.crs);
   const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
                down = ground.metres({x, y}, {x, y + d.mapping.dy});
   if (!(right > 0) || !(down > 0))

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "query/geo/ground.hpp"
-#include "query/geo/longitude.hpp"
+#include "engine/geo/ground.hpp"
+#include "engine/geo/longitude.hpp"
 #include "query/selection/refusals.hpp"
 
 namespace talus {
@@ -238,7 +238,7 @@ Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<
   constexpr double kRounding = 1e-9;
   const double slack = std::max(0.0, left - kRounding) / pages.distance().metres(1);
 
-  const Ground ground(d.crs_wkt);
+  const Ground ground(d.crs);
   std::vector<double> begins{0};  // of stretches, in metres
   for (std::size_t i = 0; i + 1 < line.size(); ++i) begins.push_back(begins[i] + ground.metres(line[i], line[i + 1]));
   result.length_m = begins.back();

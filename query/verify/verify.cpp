@@ -9,7 +9,7 @@
 
 #include "engine/quadtree/triangulation.hpp"
 #include "query/accuracy/true_error.hpp"
-#include "query/geo/ground.hpp"
+#include "engine/geo/ground.hpp"
 #include "query/snapshot_view.hpp"
 #include "query/verify/verify_computed.hpp"
 #include "query/verify/verify_findings.hpp"
@@ -20,7 +20,7 @@ namespace talus {
 namespace {
 
 CellsOfRow cells_of_rows(const Description& d) {
-  return [ground = Ground(d.crs_wkt), m = d.mapping](std::int32_t row) {
+  return [ground = Ground(d.crs), m = d.mapping](std::int32_t row) {
     const double x = m.x(0), y = m.y(row), up = std::abs(m.dy) / 2;
     return std::array{ground.metres({x, y}, {x + m.dx, y}), ground.metres({x, y - up}, {x, y + up})};
   };

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "engine/tile/coarse_levels.hpp"
-#include "query/geo/ground.hpp"
+#include "engine/geo/ground.hpp"
 
 namespace talus {
 namespace {
@@ -38,7 +38,7 @@ struct Rules {
       : manifest(m),
         extent(m.description.extent),
         distance(m.description.step, m.description.metres_per_unit),
-        ground(Ground(m.description.crs_wkt).scale_of(m.description.mapping, extent)),
+        ground(Ground(m.description.crs).scale_of(m.description.mapping, extent)),
         dropped(m.description.kept_above() > 0 ? std::optional(largest_code_within(m.description.kept_above()))
                                                : std::nullopt) {}
 

@@ -23,6 +23,7 @@ Manifest example() {
   d.extent = {{0, 0}, {3600, 1800}};
   d.mapping = {7.0000000000000012, 47, 1.0 / 3600, -1.0 / 3600};
   d.crs_wkt = "GEOGCS[\"WGS 84\", \"quotes\" and Zürich]";
+  d.crs = {"WGS 84", 4326, true, 1, 1, 6378137, 1 / 298.257223563};
   d.source_name = "höhe \\ \"x\".tif";
   d.source_type = "Float32";
   d.vertical_unit = "foot";
@@ -69,6 +70,7 @@ TEST(Manifest, DecodeOfEncodeIsTheManifest) {
   EXPECT_EQ(b.extent, d.extent);
   EXPECT_EQ(b.mapping, d.mapping);
   EXPECT_EQ(b.crs_wkt, d.crs_wkt);
+  EXPECT_EQ(b.crs, d.crs);
   EXPECT_EQ(b.source_name, d.source_name);
   EXPECT_EQ(b.source_type, d.source_type);
   EXPECT_EQ(b.vertical_unit, d.vertical_unit);
@@ -100,6 +102,28 @@ TEST(Manifest, ErrorsHaveAKindAndAMetric) {
   impossible.description.error_kind = ErrorKind::nested;
   impossible.description.error_metric = ErrorMetric::perpendicular;
   EXPECT_THROW(decode_manifest(encode(impossible)), Failure);
+}
+
+TEST(Manifest, AnImpossibleCoordinateSystemIsCorrupt) {
+  EXPECT_EQ(refused("/crs/metres_per_unit", 0), kCorrupt);
+  EXPECT_EQ(refused("/crs/degrees_per_unit", -1), kCorrupt);
+  EXPECT_EQ(refused("/crs/equatorial_radius", 0), kCorrupt);
+  EXPECT_EQ(refused("/crs/flattening", 1), kCorrupt);
+  EXPECT_EQ(refused("/crs/epsg", 1.5), kCorrupt);
+  EXPECT_EQ(refused("/crs/geographic", "yes"), kCorrupt);
+}
+
+TEST(Manifest, OneOfBeforeTheMeaningOfACrsIsUnsupported) {
+  Json json = json_of(example());
+  json.erase("crs");
+  json["crs_wkt"] = "";
+  try {
+    static_cast<void>(decode_text(json.dump()));
+    ADD_FAILURE() << "taken";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.cause(), Cause::unsupported);
+    EXPECT_NE(std::string(failure.what()).find("ingest the source again"), std::string::npos);
+  }
 }
 
 TEST(Manifest, TheSameManifestIsTheSameBytes) { EXPECT_EQ(encode(example()), encode(example())); }
@@ -174,7 +198,7 @@ TEST(Provenance, DecodeOfEncodeIsTheProvenance) {
   Provenance p;
   p.sources = {{"höhe.tif", "GTiff", "Int16", 1201, 1200, 123456789012, 0xfedcba9876543210},
                {"b.hgt", "SRTMHGT", "Int16", 1, 2, 3, 4}};
-  p.made_by = "talus 9, --void-weight 2";
+  p.made_by = "talus 9, IngestOptions::void_weight 2";
   p.generation = 7;
   p.vertices_above = {{0, 100}, {0.001, 90}, {50000, 0}};
   const Provenance back = decode_provenance(encode(p));

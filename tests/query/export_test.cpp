@@ -17,8 +17,10 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include "engine/geo/crs_text.hpp"
 #include "query/export/writers.hpp"
 #include "talus/database.hpp"
+#include "talus/raster_output.hpp"
 #include "tests/support/asked.hpp"
 #include "tests/support/mesh_file.hpp"
 #include "tests/support/raster_file.hpp"
@@ -26,6 +28,13 @@
 
 namespace talus {
 namespace {
+
+/// Whatever the ending says.
+Metres write(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
+  if (!is_raster_file(file)) return write_mesh(mesh, description, file);
+  write_raster(mesh, description, file);
+  return Metres{0};
+}
 
 using support::TempFolder;
 using ::testing::HasSubstr;
@@ -55,7 +64,7 @@ std::vector<std::string> names_in(const TempFolder& folder) {
 
 Cause cause_of_writing(const Mesh& mesh, const std::filesystem::path& file, bool names_it = true) {
   try {
-    write_mesh(mesh, georeferenced(), file);
+    write(mesh, georeferenced(), file);
   } catch (const Failure& failure) {
     if (names_it) {
       EXPECT_THAT(failure.what(), HasSubstr(file.string()));
@@ -69,7 +78,7 @@ Cause cause_of_writing(const Mesh& mesh, const std::filesystem::path& file, bool
 TEST(Export, PlyAndObjGiveEveryBitBack) {
   const TempFolder folder;
   for (const char* name : {"mesh.ply", "mesh.obj", "MESH.PLY"}) {
-    write_mesh(square(), georeferenced(), folder / name);
+    write(square(), georeferenced(), folder / name);
   }
   EXPECT_EQ(bytes_of(folder / "mesh.ply"), bytes_of(folder / "MESH.PLY"));
   for (const char* name : {"mesh.ply", "mesh.obj"}) {
@@ -83,7 +92,7 @@ TEST(Export, PlyAndObjGiveEveryBitBack) {
 TEST(Export, ObjHasPointsInAnyLocale) {
   const TempFolder folder;
   if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) GTEST_SKIP() << "no locale de_DE.UTF-8 here";
-  write_mesh(square(), georeferenced(), folder / "mesh.obj");
+  write(square(), georeferenced(), folder / "mesh.obj");
   std::setlocale(LC_ALL, "C");
   EXPECT_THAT(bytes_of(folder / "mesh.obj"), HasSubstr("v 500000.1 4000000.7 0.1\n"));
 }
@@ -93,7 +102,7 @@ TEST(Export, AnEmptyMeshIsAValidFile) {
   Mesh empty;
   empty.region = {{0, 0}, {2, 2}};
   for (const char* name : {"mesh.ply", "mesh.obj", "mesh.png", "mesh.glb", "mesh.tif"})
-    write_mesh(empty, georeferenced(), folder / name);
+    write(empty, georeferenced(), folder / name);
   EXPECT_TRUE(support::read_mesh(folder / "mesh.glb", georeferenced().mapping).points.empty());
   EXPECT_FALSE(support::read_raster(folder / "mesh.tif").has_data());
   EXPECT_THAT(bytes_of(folder / "mesh.ply"), HasSubstr("element vertex 0\n"));
@@ -107,7 +116,8 @@ TEST(Export, APictureHasTheShapeOfTheGround) {
   north.mapping = {10, 60.001, 0.001, -0.001};  // two cells around 60°: half as wide as high
   north.crs_wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
-  write_mesh(square(), north, folder / "mesh.png");
+  north.crs = facts_of_wkt(north.crs_wkt);
+  write(square(), north, folder / "mesh.png");
   EXPECT_EQ(names_in(folder).size(), 1u);  // no side files
   GDALAllRegister();
   GDALDatasetH picture = GDALOpen((folder / "mesh.png").c_str(), GA_ReadOnly);
@@ -130,13 +140,13 @@ TEST(Export, ALinkStaysAndWhatItLeadsToIsReplaced) {
   const TempFolder folder;
   namespace fs = std::filesystem;
   fs::create_directory(folder / "far");
-  write_mesh(square(), georeferenced(), folder / "plain.ply");
+  write(square(), georeferenced(), folder / "plain.ply");
   std::ofstream(folder / "far/old.ply") << "old";
   fs::create_symlink("far/old.ply", folder / "one.ply");
   fs::create_symlink("one.ply", folder / "two.ply");
   fs::create_symlink("far/new.ply", folder / "dangling.ply");
   for (const char* name : {"two.ply", "dangling.ply"}) {
-    write_mesh(square(), georeferenced(), folder / name);
+    write(square(), georeferenced(), folder / name);
     EXPECT_TRUE(fs::is_symlink(folder / name));
     EXPECT_EQ(bytes_of(folder / name), bytes_of(folder / "plain.ply"));
   }
@@ -193,9 +203,9 @@ TEST(Export, AFailureHalfwayKeepsTheOldFile) {
   const Mesh large = rough();
   for (const char* name : {"mesh.ply", "mesh.obj", "mesh.glb", "mesh.tif"}) {
     const TempFolder folder;
-    write_mesh(large, georeferenced(), folder / name);
+    write(large, georeferenced(), folder / name);
     const auto whole = static_cast<rlim_t>(std::filesystem::file_size(folder / name));
-    write_mesh(square(), georeferenced(), folder / name);
+    write(square(), georeferenced(), folder / name);
     const std::string before = bytes_of(folder / name);
     for (const rlim_t most : {rlim_t{0}, rlim_t{100}, whole / 3, whole - 70000, whole - 1}) {
       rlimit limit{};
@@ -222,7 +232,7 @@ TEST(Export, GlbHoldsFloatsAndHeightStepsExactly) {
   Description description = georeferenced();
   for (const auto& heights : {std::array{0.5, -3.25, 0x1p-56, 4000.0}, std::array{1e6, 1e6 + 1, 1e6 - 7, 1e6 + 16e6}}) {
     mesh.heights.assign(heights.begin(), heights.end());
-    EXPECT_EQ(write_mesh(mesh, description, folder / "mesh.glb").value, 0);
+    EXPECT_EQ(write(mesh, description, folder / "mesh.glb").value, 0);
     const Mesh read = support::read_mesh(folder / "mesh.glb", description.mapping);
     EXPECT_EQ(read.points, mesh.points);
     EXPECT_EQ(read.heights, mesh.heights);
@@ -230,7 +240,7 @@ TEST(Export, GlbHoldsFloatsAndHeightStepsExactly) {
   }
   description.step = {1, 10, 0, true};  // decimetres, which no float holds
   mesh.heights = {0.1, -0.3, 8848.9, 1234.5};
-  EXPECT_EQ(write_mesh(mesh, description, folder / "mesh.glb").value, 0);
+  EXPECT_EQ(write(mesh, description, folder / "mesh.glb").value, 0);
   const Mesh read = support::read_mesh(folder / "mesh.glb", description.mapping);
   for (std::size_t i = 0; i < mesh.size(); ++i) EXPECT_NEAR(read.heights[i], mesh.heights[i], 1e-11);
 }
@@ -241,7 +251,7 @@ TEST(Export, GlbSaysHowFarItRounds) {
   description.metres_per_unit = 1000;
   description.vertical_unit = "kilometre";
   const Mesh mesh = square();
-  const double rounding = write_mesh(mesh, description, folder / "mesh.glb").value;
+  const double rounding = write(mesh, description, folder / "mesh.glb").value;
   const Mesh read = support::read_mesh(folder / "mesh.glb", description.mapping);
   double largest = 0;
   for (std::size_t i = 0; i < mesh.size(); ++i)
@@ -257,7 +267,8 @@ TEST(Export, GlbOfDegreesIsInMetresOnTheGround) {
   north.mapping = {10, 60.001, 0.001, -0.001};
   north.crs_wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
-  write_mesh(square(), north, folder / "mesh.glb");
+  north.crs = facts_of_wkt(north.crs_wkt);
+  write(square(), north, folder / "mesh.glb");
   const std::string bytes = bytes_of(folder / "mesh.glb");
   const auto json = nlohmann::json::parse(bytes.substr(20, bytes.rfind("}]}") + 3 - 20));
   const auto& node = json["nodes"][0];
@@ -277,8 +288,9 @@ TEST(Export, GlbOfFeetIsInMetres) {
   feet.crs_wkt = R"(PROJCS["x",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                  R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
                  R"(PARAMETER["central_meridian",9],UNIT["foot",0.3048]])";
+  feet.crs = facts_of_wkt(feet.crs_wkt);
   feet.metres_per_unit = 0.3048;
-  write_mesh(square(), feet, folder / "mesh.glb");
+  write(square(), feet, folder / "mesh.glb");
   GridMapping metres = feet.mapping;
   for (double* v : {&metres.x0, &metres.y0, &metres.dx, &metres.dy}) *v *= 0.3048;
   const Mesh read = support::read_mesh(folder / "mesh.glb", metres);
@@ -302,9 +314,10 @@ TEST(Export, EverySampleLiesWithinTheBoundOfAGlb) {
     const Question q = asked.question();
     const Answer answer = asked.now->ask(q);
     Description d = asked.now->description();
+    d.crs = {};
     d.crs_wkt.clear();  // then positions come back as they are, and the judge has metres as it has them
     const Mesh mesh = triangulate(answer.quadtree);
-    const Metres rounding = write_mesh(mesh, d, asked.folder / "mesh.glb");
+    const Metres rounding = write(mesh, d, asked.folder / "mesh.glb");
     Mesh read = support::read_mesh(asked.folder / "mesh.glb", d.mapping);
     read.region = mesh.region;
     ASSERT_EQ(read.points, mesh.points) << asked.name(q);
@@ -335,7 +348,7 @@ TEST(Export, TifHasTheSurfaceAtEverySampleAndNothingBesideIt) {
       mesh = clip_mesh(mesh, {place(r.first.col, r.first.col + 1), place(r.first.row, r.first.row + 1),
                               place(r.last.col - 1, r.last.col), place(r.last.row - 1, r.last.row)});
     }
-    write_mesh(mesh, asked.now->description(), asked.folder / "mesh.tif");
+    write(mesh, asked.now->description(), asked.folder / "mesh.tif");
     const support::Terrain read = support::read_raster(asked.folder / "mesh.tif");
     ASSERT_EQ(read.cols, r.cols());
     ASSERT_EQ(read.rows, r.rows());
@@ -386,7 +399,7 @@ TEST(Export, TifLiesWhereTheSamplesDo) {
   description.vertical_unit = "US survey foot";
   description.crs_wkt = R"(LOCAL_CS["somewhere",UNIT["metre",1]])";
   Mesh mesh = square();
-  write_mesh(mesh, description, folder / "mesh.tif");
+  write(mesh, description, folder / "mesh.tif");
   EXPECT_EQ(names_in(folder).size(), 1u);  // no side files
   GDALAllRegister();
   const auto open = [&] { return GDALOpen((folder / "mesh.tif").c_str(), GA_ReadOnly); };
@@ -405,17 +418,35 @@ TEST(Export, TifLiesWhereTheSamplesDo) {
   EXPECT_EQ(GDALGetRasterDataType(band), GDT_Float64) << "a third is no float";
   GDALClose(raster);
   mesh.heights = {1, 2, 3, 4};
-  write_mesh(mesh, description, folder / "mesh.tif");
+  write(mesh, description, folder / "mesh.tif");
   raster = open();
   EXPECT_EQ(GDALGetRasterDataType(GDALGetRasterBand(raster, 1)), GDT_Float32);
   GDALClose(raster);
+}
+
+TEST(Export, EachFunctionNamesTheOtherForItsEndings) {
+  const TempFolder folder;
+  const auto refused = [](auto&& write) -> std::string {
+    try {
+      write();
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.cause(), Cause::invalid_argument);
+      return failure.what();
+    }
+    return "not refused";
+  };
+  EXPECT_THAT(refused([&] { write_mesh(square(), georeferenced(), folder / "mesh.tif"); }), HasSubstr("write_raster"));
+  EXPECT_THAT(refused([&] { write_raster(square(), georeferenced(), folder / "mesh.ply"); }),
+              HasSubstr(".tif or .png"));
+  EXPECT_TRUE(names_in(folder).empty());
 }
 
 TEST(Export, WhatWouldFailIsKnownBeforeTheWork) {
   const TempFolder folder;
   EXPECT_NO_THROW(check_mesh_file("mesh.ply"));
   EXPECT_NO_THROW(check_mesh_file(folder / "mesh.obj"));
-  for (const std::filesystem::path& file : {folder / "mesh", folder / "mesh.txt", folder / "missing/mesh.ply"}) {
+  for (const std::filesystem::path& file :
+       {folder / "mesh", folder / "mesh.txt", folder / "mesh.tif", folder / "missing/mesh.ply"}) {
     EXPECT_THROW(check_mesh_file(file), Failure) << file;
   }
 }

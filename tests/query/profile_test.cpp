@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "query/geo/ground.hpp"
+#include "engine/geo/ground.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"
 #include "tests/support/surface_of_mesh.hpp"
@@ -251,10 +251,10 @@ double chords(Position from, Position to) {
   return sum;
 }
 
-std::string wkt_of(const char* crs, const TempFolder& folder) {
+CrsFacts facts_of(const char* crs, const TempFolder& folder) {
   RasterOptions file;
   file.crs = crs;
-  return snapshot_of(plane(3, 3), folder, file).description().crs_wkt;
+  return snapshot_of(plane(3, 3), folder, file).description().crs;
 }
 
 TEST(Ground, OfDegreesIsTheEllipsoids) {
@@ -262,7 +262,7 @@ TEST(Ground, OfDegreesIsTheEllipsoids) {
   RasterOptions file;
   file.crs = "EPSG:4326";
   file.geotransform = {7, 0.01, 0, 47, 0, -0.01};
-  const Ground ground(snapshot_of(plane(3, 3), folder, file).description().crs_wkt);
+  const Ground ground(snapshot_of(plane(3, 3), folder, file).description().crs);
   for (const auto& [from, to] : {std::pair{Position{7, 46}, Position{8, 46}},
                                  {{7, 46}, {7, 47}},
                                  {{-20, -40}, {70, 85}},
@@ -276,8 +276,8 @@ TEST(Ground, OfDegreesIsTheEllipsoids) {
 
 TEST(Ground, OfAProjectionIsInItsUnit) {
   const TempFolder folder;
-  EXPECT_DOUBLE_EQ(Ground("").metres({0, 0}, {3, 4}), 5);
-  EXPECT_DOUBLE_EQ(Ground(wkt_of("EPSG:2225", folder)).metres({0, 0}, {3, 4}), 5 * 1200.0 / 3937) << "US survey feet";
+  EXPECT_DOUBLE_EQ(Ground(CrsFacts{}).metres({0, 0}, {3, 4}), 5);
+  EXPECT_DOUBLE_EQ(Ground(facts_of("EPSG:2225", folder)).metres({0, 0}, {3, 4}), 5 * 1200.0 / 3937) << "US survey feet";
 }
 
 }  // namespace

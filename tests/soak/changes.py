@@ -4,6 +4,7 @@ Four kinds of accident happen to a mosaic of nine tiles, at random moments. When
 must be sound and equal, sample by sample, one made of the files as they are, or of the updates that exited 0 in an order.
 Prints what happened how often; exits with 1 and leaves the folder if anything was wrong.
 """
+import hashlib
 import itertools
 import os
 import random
@@ -197,11 +198,18 @@ def after(updates):
     return heights
 
 
+found_right = {}  # by the database's bytes and the updates: what was looked at once need not be looked at again
+
+
 def equals_some(database, allowed):
     said = "no database is right"
+    digest = hashlib.sha256(Path(database).read_bytes()).digest() if os.path.exists(database) else None
     for updates in allowed:
-        write("expected.tif", after(updates), 0, 0)
-        right, said = is_right(database, ["expected.tif"])
+        key = digest, tuple(updates)
+        if key not in found_right:
+            write("expected.tif", after(updates), 0, 0)
+            found_right[key] = is_right(database, ["expected.tif"])
+        right, said = found_right[key]
         if right:
             return True, said
     return False, said
@@ -227,12 +235,13 @@ def updates_that_meet():
 
 
 def killed_updates():
+    found_right.clear()
     shutil.copy("base.talus", "a.talus")
     update = some_update("u0.tif")
     killed_somewhere(update_seconds, ["ingest", "--update", "u0.tif", "a.talus", "--threads", 1], signal.SIGKILL)
     right, said = equals_some("a.talus", [[], [update]])
     expect(right, f"kill: the database itself: {said}")
-    is_updated = is_right("a.talus", ["expected.tif"])[0] and not is_right("a.talus", ["base.tif"])[0]
+    is_updated = equals_some("a.talus", [[update]])[0] and not equals_some("a.talus", [[]])[0]
     has_part = os.path.exists("a.talus.part")
     counts[f"kill: {'updated' if is_updated else 'as it was'}, {'a' if has_part else 'no'} .part left"] += 1
     base = [update] if is_updated else []
@@ -299,8 +308,10 @@ update_seconds = seconds_of("ingest", "--update", "u0.tif", "a.talus", "--thread
 for kind in (resume_after_changes, updates_that_meet, killed_updates, damaged_part):
     if KINDS and kind.__name__ not in KINDS:
         continue
-    for _ in range(RUNS):
+    for done in range(1, RUNS + 1):
         kind()
+        if done % 10 == 0 and done < RUNS:
+            print(f"{kind.__name__}: {done} of {RUNS} runs, {len(wrongs)} wrong so far", flush=True)
     print(f"{kind.__name__}: {RUNS} runs, {len(wrongs)} wrong so far", flush=True)
 for what, count in sorted(counts.items()):
     print(f"{count:6}  {what}")

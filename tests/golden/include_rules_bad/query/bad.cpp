@@ -6,3 +6,6 @@
 #include "storage/transaction.hpp"
 #include "engine/selection.hpp"
 #include "talus/database.hpp"
+const char* const kSentence = "ask for a coarser --tolerance";  // refused
+const char* const kOther = "a -- dash and x--y are none";
+// A comment may say --tolerance.

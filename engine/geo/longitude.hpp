@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "talus/database.hpp"
+#include "talus/description.hpp"
 
 namespace talus {
 

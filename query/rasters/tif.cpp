@@ -20,7 +20,7 @@
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
-#include "query/export/writers.hpp"
+#include "query/rasters/raster_writers.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -31,9 +31,9 @@ constexpr std::int64_t kStripSamples = std::int64_t{1} << 21;  // at most, but a
 constexpr double kOnCut = 1e-12;  // shares this little below zero are a corner's rounding, where a frame cut
 
 /// A closed triangle: a place in it is a mean of its corners with three shares, none below zero.
-class Facet {
+class DrawnTriangle {
  public:
-  Facet(const Mesh& mesh, const std::array<std::uint32_t, 3>& ids)
+  DrawnTriangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& ids)
       : at_{mesh.place(ids[0]), mesh.place(ids[1]), mesh.place(ids[2])},
         height_{mesh.heights[ids[0]], mesh.heights[ids[1]], mesh.heights[ids[2]]},
         slack_(mesh.cuts.empty() ? 0 : kOnCut) {
@@ -128,7 +128,7 @@ class Strips {
       while (next < order_.size() && top(order_[next]) <= static_cast<double>(last)) reaching.push_back(order_[next++]);
       std::size_t kept = 0;
       for (const std::uint32_t id : reaching) {
-        const Facet facet(mesh_, mesh_.triangles[id]);
+        const DrawnTriangle facet(mesh_, mesh_.triangles[id]);
         const auto from = std::max(first, static_cast<std::int64_t>(std::ceil(facet.top())));
         const auto to = std::min(last, static_cast<std::int64_t>(std::floor(facet.bottom())));
         for (std::int64_t row = from; row <= to; ++row) {
@@ -144,7 +144,7 @@ class Strips {
   }
 
  private:
-  [[nodiscard]] double top(std::size_t t) const { return Facet(mesh_, mesh_.triangles[t]).top(); }
+  [[nodiscard]] double top(std::size_t t) const { return DrawnTriangle(mesh_, mesh_.triangles[t]).top(); }
 
   const Mesh& mesh_;
   std::vector<std::uint32_t> order_;  // from north to south

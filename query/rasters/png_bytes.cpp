@@ -1,4 +1,4 @@
-#include "query/export/png_bytes.hpp"
+#include "query/rasters/png_bytes.hpp"
 
 #include <atomic>
 #include <cassert>

@@ -1,11 +1,11 @@
-#include "query/geo/longitude.hpp"
+#include "engine/geo/longitude.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "query/geo/ground.hpp"
+#include "engine/geo/ground.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -17,7 +17,7 @@ constexpr double kFarOut = 1e6;   // turns: beyond, doubles do not tell degrees 
 }  // namespace
 
 Longitudes::Longitudes(double turn, const Description& d) : turn_(turn), mapping_(d.mapping), extent_(d.extent) {}
-Longitudes::Longitudes(const Description& d) : Longitudes(Ground(d.crs_wkt).full_turn(), d) {}
+Longitudes::Longitudes(const Description& d) : Longitudes(Ground(d.crs).full_turn(), d) {}
 
 Position Longitudes::among(Position p, GridRect rect) const {
   if (turn_ == 0 || !std::isfinite(p.x)) return p;

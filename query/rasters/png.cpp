@@ -16,10 +16,9 @@
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <gdal.h>
-#include <ogr_srs_api.h>
 
-#include "query/export/png_bytes.hpp"
-#include "query/export/writers.hpp"
+#include "query/rasters/png_bytes.hpp"
+#include "query/rasters/raster_writers.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -88,10 +87,7 @@ struct CellSides {
 
 CellSides cell_sides(const Description& description, GridRect region) {
   CellSides sides{description.mapping.dx, -description.mapping.dy};
-  const std::unique_ptr<void, decltype(&OSRDestroySpatialReference)> crs{
-      OSRNewSpatialReference(description.crs_wkt.empty() ? nullptr : description.crs_wkt.c_str()),
-      &OSRDestroySpatialReference};
-  if (crs && OSRIsGeographic(crs.get())) {
+  if (description.crs.is_geographic) {
     const double south = description.mapping.y(region.last.row), north = description.mapping.y(region.first.row);
     const double latitude = std::clamp((south + north) / 2, -85.0, 85.0);
     sides.across *= std::cos(latitude * std::numbers::pi / 180);
