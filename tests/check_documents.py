@@ -7,10 +7,14 @@ check_documents.py --expect-marked ROOT  fails unless exactly the lines marked `
 A link is [text](target). A path is a word in backticks or in a block of code that begins with a folder of ours. It may
 leave out its ending: `engine/quadtree/grid` stands for grid.hpp, grid.cpp or the folder. In a name, * and WORDS IN
 CAPITALS stand for anything. Test names may begin below tests/, public headers below include/.
+
+The table of rooms in docs/architecture.md must be ROOMS of check_includes.py.
 """
 import re
 import sys
 from pathlib import Path
+
+from check_includes import ROOMS
 
 # The first folder of a path, and where it lies.
 OURS = {name: name for name in ("engine", "storage", "query", "ingest", "app", "include", "tests", "bench", "cmake", "docs",
@@ -66,6 +70,15 @@ def objection_to_word(root, word):
     return f"{word} does not exist"
 
 
+def objections_to_rooms(page):
+    """Where the table of rooms on a page differs from ROOMS."""
+    row = re.compile(r"\| `([a-z]+/[a-z]+)` \| ([^|]*) \|")
+    shown = {row.match(line)[1]: " ".join(SPAN.findall(row.match(line)[2]))
+             for line in page.read_text(encoding="utf-8").splitlines() if row.match(line)}
+    return [f"room {room}: the page says '{shown.get(room)}', tests/check_includes.py says '{ROOMS.get(room)}'"
+            for room in sorted(shown.keys() | ROOMS.keys()) if shown.get(room) != ROOMS.get(room)]
+
+
 def findings(root):
     """Pairs of (file:line, sentence), the places marked `<!-- refused -->`, and the number of documents."""
     broken, marked = {}, set()
@@ -87,6 +100,10 @@ def findings(root):
                                + LINK.findall(line)]
             for objection in sorted({o for o in objections if o}):
                 broken[place] = f"{place}: {objection}"
+    architecture = root / "docs/architecture.md"
+    if architecture.exists():
+        for objection in objections_to_rooms(architecture):
+            broken[objection] = f"docs/architecture.md: {objection}"
     if not documents:
         sys.exit(f"{root}: no documents here to check")
     return broken, marked, len(documents)
