@@ -85,20 +85,22 @@ def findings(root):
     documents = sorted({path for pattern in DOCUMENTS for path in root.glob(pattern) if "documents_bad" not in path.parts
                         or "documents_bad" in root.parts})
     for document in documents:
-        in_code = False
+        text, in_code = [], False  # text: the lines outside blocks of code
         for number, line in enumerate(document.read_text(encoding="utf-8").splitlines(), 1):
             place = f"{document.relative_to(root)}:{number}"
             if line.rstrip().endswith("<!-- refused -->"):
                 marked.add(place)
-            if line.lstrip().startswith("```"):
-                in_code = not in_code
-                continue
-            spans = [line] if in_code else SPAN.findall(line)
-            objections = [objection_to_word(root, word) for span in spans for word in span.split()]
-            if not in_code:
-                objections += [objection_to_link(document, target) for target in LINK.findall(SPAN.sub("", line))
-                               + LINK.findall(line)]
-            for objection in sorted({o for o in objections if o}):
+            fence = line.lstrip().startswith("```")
+            in_code ^= fence
+            text.append("" if in_code or fence else line)
+            for span in [line] if in_code else SPAN.findall(line):
+                for objection in filter(None, (objection_to_word(root, word) for word in span.split())):
+                    broken[place] = f"{place}: {objection}"
+        text = "\n".join(text)
+        for link in LINK.finditer(text):  # a link's words may go over the end of a line
+            objection = objection_to_link(document, link[1])
+            if objection:
+                place = f"{document.relative_to(root)}:{text.count(chr(10), 0, link.start(1)) + 1}"
                 broken[place] = f"{place}: {objection}"
     architecture = root / "docs/architecture.md"
     if architecture.exists():
