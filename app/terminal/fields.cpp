@@ -7,7 +7,7 @@ namespace talus::app {
 namespace {
 
 // A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 11> kOptions{{
+constexpr std::array<std::pair<const char*, const char*>, 25> kOptions{{
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
     {"InputOptions::allow_drivers", "--allow-driver"},
@@ -19,6 +19,20 @@ constexpr std::array<std::pair<const char*, const char*>, 11> kOptions{{
     {"InputOptions::nodata", "--nodata"},
     {"InputOptions::decode", "--decode"},
     {"InputOptions::srs", "--srs"},
+    {"Question::rectangle", "--bbox"},
+    {"Question::region", "--bbox"},
+    {"Question::tolerance", "--tolerance"},
+    {"Question::budget", "a budget (--max-vertices or --max-triangles)"},
+    {"Question::field", "--focus or --tolerance-raster"},
+    {"Question::from", "--from"},
+    {"Question::border", "--border"},
+    {"Question::heights", "--heights"},
+    {"Heights::quantum", "--quantum"},
+    {"Question::max_level", "--max-level"},
+    {"Question::points", "points and lines"},
+    {"Question::neighbours", "--match"},
+    {"Question::threads", "--threads"},
+    {"see snapped(),", "--snap 16,"},
 }};
 
 }  // namespace

@@ -34,7 +34,6 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "engine/quadtree/half_diamond.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "query/accuracy/true_error.hpp"
 #include "query/geo/ground.hpp"
 #include "talus/talus.hpp"

@@ -18,7 +18,7 @@ namespace {
 std::string typed(const IngestOptions& options) {
   const InputOptions& in = options.inputs;
   std::string text;
-  if (options.finest_tolerance != 0) text += fmt::format(", --tolerance {}", options.finest_tolerance);
+  if (options.finest_tolerance.value != 0) text += fmt::format(", --tolerance {}", options.finest_tolerance.value);
   if (options.error_kind != ErrorKind::exact) text += fmt::format(", --error {}", name_of(options.error_kind));
   if (options.error_metric != ErrorMetric::vertical)
     text += fmt::format(", --metric {}", name_of(options.error_metric));
@@ -34,7 +34,7 @@ std::string typed(const IngestOptions& options) {
   if (!in.target_srs.empty()) text += fmt::format(", --t-srs {}", in.target_srs);
   if (in.target_dx != 0) text += fmt::format(", --tr {},{}", in.target_dx, in.target_dy);
   if (!in.resampling.empty()) text += fmt::format(", --resampling {}", in.resampling);
-  if (in.height_step != 0) text += fmt::format(", --height-step {}", in.height_step);
+  if (in.height_step.value != 0) text += fmt::format(", --height-step {}", in.height_step.value);
   return text;
 }
 

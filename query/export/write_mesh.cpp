@@ -84,13 +84,15 @@ void check_folder(const std::filesystem::path& file) {
 }
 
 Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
-  return blaming(file, [&] {
-    const Format& format = format_of(file);
-    check_mesh(mesh, file);
-    OutputFile out{file};
-    const Metres rounding = format.write(mesh, description, out);
-    out.commit();
-    return rounding;
+  return within_memory([&] {
+    return blaming(file, [&] {
+      const Format& format = format_of(file);
+      check_mesh(mesh, file);
+      OutputFile out{file};
+      const Metres rounding = format.write(mesh, description, out);
+      out.commit();
+      return rounding;
+    });
   });
 }
 
