@@ -22,12 +22,11 @@ bool is_plain(const Question& q, GridRect extent) {
 
 Answer answer_of(const StoredPages& pages, const Question& q, int threads, std::deque<Watch>& watches) {
   Watch& watch = watches.front();
+  watch.stage("choosing vertices", 0, 1);
   if (q.heights.kind != HeightKind::exact)
     return rounded_answer({pages, q.region, q.tolerance, q.from, threads, watch}, q.heights);
-  if (is_plain(q, pages.manifest().description.extent)) {
-    watch.stage("choosing vertices", 0, 1);
+  if (is_plain(q, pages.manifest().description.extent))
     return range_query(pages, q.region, q.tolerance, threads, q.from, watch);
-  }
   return std::move(select_and_gather(pages, {&q, 1}, watches).front());
 }
 

@@ -121,19 +121,16 @@ void expect_image(const Ingested& one, const Ingested& other, GridRect region, d
                   const Expected& expected) {
   SCOPED_TRACE(::testing::Message() << "columns " << region.first.col << " to " << region.last.col << ", rows "
                                     << region.first.row << " to " << region.last.row << " at " << tolerance << " m");
-  const RestrictedQuadtree mapped =
-      other.ask({.region = image_of(region, image), .tolerance = tolerance * expected.tolerance_scale});
+  const RestrictedQuadtree mapped = other.range(image_of(region, image), tolerance * expected.tolerance_scale);
   if (!expected.exact) {
     if (!mapped.covers.empty()) return;  // beside voids answers of different tolerance are not nested
     const ErrorCode within = largest_code_within(tolerance);
     if (within + 1 < kAlwaysSelected) {
-      const RestrictedQuadtree looser =
-          one.ask({.region = region, .tolerance = error_of(static_cast<ErrorCode>(within + 1))});
+      const RestrictedQuadtree looser = one.range(region, error_of(static_cast<ErrorCode>(within + 1)));
       EXPECT_EQ(missing(looser, mapped, image, expected.but), 0u) << "a rung looser has more";
     }
     if (within > 0) {
-      const RestrictedQuadtree tighter =
-          one.ask({.region = region, .tolerance = error_of(static_cast<ErrorCode>(within - 1))});
+      const RestrictedQuadtree tighter = one.range(region, error_of(static_cast<ErrorCode>(within - 1)));
       RestrictedQuadtree as_image;
       as_image.vertices = VertexMask(mapped.vertices.region());
       tighter.vertices.for_each([&](GridPoint p) { as_image.vertices.insert(image(p)); });
@@ -145,7 +142,7 @@ void expect_image(const Ingested& one, const Ingested& other, GridRect region, d
     }
     return;
   }
-  const RestrictedQuadtree answer = one.ask({.region = region, .tolerance = tolerance});
+  const RestrictedQuadtree answer = one.range(region, tolerance);
   EXPECT_EQ(missing(answer, mapped, image, expected.but), 0u) << "vertices are gone";
   std::size_t others = answer.vertices.size(), others_mapped = mapped.vertices.size();
   if (expected.but && region.contains(*expected.but)) {
@@ -234,8 +231,7 @@ TEST(Invariance, HeightsWeightAndToleranceScaleTogether) {
       if (!exact || raster.terrain.has_voids()) continue;
       const double t = random.log_between(0.01, 1000);
       const double r = error_of(largest_code_within(t)), rm = error_of(largest_code_within(m * t));
-      const RestrictedQuadtree a = one.ask({.region = region, .tolerance = t}),
-                               b = other.ask({.region = region, .tolerance = m * t});
+      const RestrictedQuadtree a = one.range(region, t), b = other.range(region, m * t);
       if (rm >= m * r) {
         EXPECT_EQ(missing(b, a, kSame), 0u) << "more at " << t << " m";
       }

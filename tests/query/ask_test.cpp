@@ -92,7 +92,7 @@ void add(Question& question, Feature feature, const RestrictedQuadtree& neighbou
     case Feature::region: question.region = {{0, 0}, {20, 20}}; break;
     case Feature::rectangle: question.rectangle = Rectangle{0, -20, 20, 0}; break;
     case Feature::tolerance: question.tolerance = Metres{5}; break;
-    case Feature::budget: question.budget.triangles = 1000; break;
+    case Feature::budget: question.budget.triangles = 100000; break;
     case Feature::field: question.field = std::make_shared<NoField>(); break;
     case Feature::from: question.from = Metres{50}; break;
     case Feature::border: question.border = Border::cover; break;
