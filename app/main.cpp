@@ -29,7 +29,10 @@ Exit exit_for(Cause cause) {
     case Cause::full: return Exit::full;
     case Cause::not_found:
     case Cause::unsupported:
-    case Cause::io: return Exit::failed;
+    case Cause::io:
+    case Cause::cancelled:
+    case Cause::too_large:
+    case Cause::out_of_memory: return Exit::failed;
   }
   return Exit::failed;
 }
@@ -49,6 +52,9 @@ std::string word_for(Cause cause) {
     case Cause::unsupported: return "unsupported";
     case Cause::full: return "full";
     case Cause::io: return "io";
+    case Cause::cancelled: return "cancelled";
+    case Cause::too_large: return "too_large";
+    case Cause::out_of_memory: return "out_of_memory";
   }
   return "unknown";
 }

@@ -5,8 +5,8 @@
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
 #include "engine/error/saturation.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "engine/tile/tile.hpp"
+#include "talus/quadtree.hpp"
 
 namespace talus {
 namespace {

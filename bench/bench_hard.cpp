@@ -226,10 +226,10 @@ class Case {
   }
   /// The coarse question is at the tolerance that leaves a hundredth of the samples, as a range of heights allows.
   void ask_once() {
-    const Snapshot now = Database::open(database_).snapshot();
+    const Snapshot now = Database::open(database_, {.threads = 1}).snapshot();
     const Description& d = now.description();
     const auto ask = [&](double tolerance) {
-      const Mesh mesh = triangulate(now.range(d.extent, Metres{tolerance}).quadtree);
+      const Mesh mesh = triangulate(now.ask({.region = d.extent, .tolerance = Metres{tolerance}}).quadtree, 1);
       benchmark::DoNotOptimize(mesh.triangles.data());
     };
     take(cost_.exact_ns, [&] { ask(0); });

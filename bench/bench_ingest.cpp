@@ -76,7 +76,7 @@ double translate(const fs::path& source, const fs::path& target, const std::vect
   return made == nullptr ? -1 : std::chrono::duration<double>(Clock::now() - begun).count();
 }
 
-void ingest_against_cog(benchmark::State& state, const Model& model, unsigned threads) {
+void ingest_against_cog(benchmark::State& state, const Model& model, int threads) {
   const fs::path source = folder_of_models() / model.file;
   if (!fs::exists(source)) return state.SkipWithError("no such model in TALUS_DEM_DIR");
   const Scratch scratch;
@@ -128,7 +128,7 @@ void bytes_against_geotiff(benchmark::State& state, const Model& model) {
 
 const bool registered = [] {
   for (const Model& model : kModels) {
-    for (const unsigned threads : {1u, 2u}) {
+    for (const int threads : {1, 2}) {
       benchmark::RegisterBenchmark(fmt::format("IngestAgainstCog/{}/threads:{}", model.file, threads).c_str(),
                                    [model, threads](benchmark::State& s) { ingest_against_cog(s, model, threads); })
           ->UseManualTime()

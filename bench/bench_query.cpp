@@ -45,7 +45,7 @@ class Databases {
     auto found = open_.find(name);
     if (found == open_.end()) {
       ingest(source(), folder_ / name, {.overwrite = true});
-      found = open_.emplace(name, Database::open(folder_ / name, {.cache_bytes = 0}).snapshot()).first;
+      found = open_.emplace(name, Database::open(folder_ / name, {.cache_bytes = 0, .threads = 1}).snapshot()).first;
     }
     return found->second;
   }
@@ -80,8 +80,8 @@ void ask(benchmark::State& state, const Snapshot& now, GridRect region, double t
   std::size_t vertices = 0, triangles = 0;
   QueryCost cost;
   for (auto _ : state) {
-    const Answer answer = now.range(region, Metres{tolerance});
-    const Mesh mesh = triangulate(answer.quadtree);
+    const Answer answer = now.ask({.region = region, .tolerance = Metres{tolerance}});
+    const Mesh mesh = triangulate(answer.quadtree, 1);
     benchmark::DoNotOptimize(mesh.triangles.data());
     vertices = mesh.points.size();
     triangles = mesh.triangles.size();
@@ -125,7 +125,7 @@ BENCHMARK(BM_WholeSwiss_Warm)->ArgName("tolerance_m")->Arg(50)->Unit(benchmark::
 /// A million points strewn over the made terrain, its pages decoded but for the first time (all fit), or each time
 /// anew.
 void heights(benchmark::State& state, std::uint64_t cache_bytes, std::optional<Metres> tolerance, double spread) {
-  const Snapshot now = Database::open(databases().made_file(), {.cache_bytes = cache_bytes}).snapshot();
+  const Snapshot now = Database::open(databases().made_file(), {.cache_bytes = cache_bytes, .threads = 1}).snapshot();
   std::vector<Position> points;
   std::uint64_t bits = 1;
   const auto random = [&] {
@@ -137,7 +137,7 @@ void heights(benchmark::State& state, std::uint64_t cache_bytes, std::optional<M
     points.push_back({x, -random()});
   }
   std::vector<std::optional<double>> found(points.size());
-  const auto ask = [&] { return tolerance ? now.heights(points, *tolerance, found) : now.heights(points, found); };
+  const auto ask = [&] { return tolerance ? now.heights(points, found, *tolerance) : now.heights(points, found); };
   ask();
   QueryCost cost;
   for (auto _ : state) cost = ask();

@@ -61,13 +61,16 @@ const Asked* asked(int model, bool bounded) {
   Asked a;
   a.description = now->description();
   const GridRect window = window_of(a.description.extent);
-  a.quadtree = bounded ? now->bounded(window, Metres{5}).quadtree : now->range(window, Metres{5}).quadtree;
-  a.triangles = triangulate(a.quadtree).triangles.size();
+  a.quadtree =
+      bounded ? now->ask({.region = window, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded}}).quadtree
+              : now->ask({.region = window, .tolerance = Metres{5}}).quadtree;
+  a.triangles = triangulate(a.quadtree, 1).triangles.size();
   return &(made[{model, bounded}] = std::move(a));
 }
 
 StreamOptions options_of(const benchmark::State& state) {
   StreamOptions options;
+  options.threads = 1;
   options.profile = state.range(2) == 0   ? StreamProfile::fast
                     : state.range(2) == 1 ? StreamProfile::balanced
                                           : StreamProfile::small;
@@ -97,7 +100,7 @@ void BM_Decode(benchmark::State& state) {
   const Asked* a = asked(static_cast<int>(state.range(0)), state.range(1) != 0);
   if (a == nullptr) return state.SkipWithError("no real models here, see TALUS_DEM_DIR");
   const auto bytes = encode({a->description, a->quadtree}, options_of(state));
-  for (auto _ : state) benchmark::DoNotOptimize(decode_stream(bytes));
+  for (auto _ : state) benchmark::DoNotOptimize(decode_stream(bytes, {}, nullptr, 1));
   say(state, *a, bytes.size());
 }
 
@@ -129,11 +132,11 @@ void BM_Chain(benchmark::State& state) {
   const GridRect window = window_of(now->description().extent);
   std::size_t chain = 0, once = 0;
   for (auto _ : state) {
-    RestrictedQuadtree client = now->range(window, Metres{20}).quadtree;
+    RestrictedQuadtree client = now->ask({.region = window, .tolerance = Metres{20}}).quadtree;
     chain = encode({now->description(), client}).size();
     double from = 20;
     for (const double to : {10.0, 5.0, 2.0, 1.0}) {
-      const Increment more = now->increment(window, Metres{from}, Metres{to});
+      const Increment more = increment_of(now->ask({.region = window, .tolerance = Metres{to}, .from = Metres{from}}));
       chain += encode({now->description(), more}, {}, &client).size();
       client = merge(client, more);
       from = to;

@@ -12,7 +12,6 @@
 #include "bench/kept.hpp"
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "talus/strip.hpp"
 #include "talus/talus.hpp"
 
@@ -37,10 +36,14 @@ const RestrictedQuadtree* asked(benchmark::State& state) {
   }
   auto found = kept.find({state.range(0), state.range(1)});
   if (found == kept.end()) {
-    const Snapshot now = Database::open(kept_database(file->stem().string(), [&] { return *file; })).snapshot();
-    found = kept.emplace(std::pair(state.range(0), state.range(1)),
-                         now.range(now.description().extent, Metres{static_cast<double>(state.range(1))}).quadtree)
-                .first;
+    const Snapshot now =
+        Database::open(kept_database(file->stem().string(), [&] { return *file; }), {.threads = 1}).snapshot();
+    found =
+        kept.emplace(
+                std::pair(state.range(0), state.range(1)),
+                now.ask({.region = now.description().extent, .tolerance = Metres{static_cast<double>(state.range(1))}})
+                    .quadtree)
+            .first;
   }
   state.SetLabel(model.name);
   return &found->second;

@@ -79,7 +79,7 @@ std::optional<fs::path> kept(const char* model) {
 }
 
 Mesh mesh(const Snapshot& now, GridRect region, Metres tolerance) {
-  Mesh made = triangulate(now.range(region, tolerance).quadtree);
+  Mesh made = triangulate(now.ask({.region = region, .tolerance = tolerance}).quadtree, 1);
   benchmark::DoNotOptimize(made.triangles.data());
   return made;
 }
@@ -93,16 +93,16 @@ constexpr GridRect kTaiwanShifted{{4700, 8900}, {8796, 12996}};  // on no tile's
 void BM_Window4097_Warm(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
-  const Metres tolerance = now.tolerance_for(kTaiwanWindow, {.vertices = 2'000'000});
+  const Snapshot now = Database::open(*file, {.cache_bytes = 0, .threads = 1}).snapshot();
+  const Metres tolerance = now.ask({.region = kTaiwanWindow, .budget = {.vertices = 2'000'000}}).quadtree.tolerance;
   Times asked, triangulated;
   std::size_t vertices = 0, triangles = 0;
   QueryCost cost;
   for (auto _ : state) {
     std::optional<Answer> answer;
     Mesh made;
-    asked.add([&] { answer.emplace(now.range(kTaiwanWindow, tolerance)); });
-    triangulated.add([&] { made = triangulate(answer->quadtree); });
+    asked.add([&] { answer.emplace(now.ask({.region = kTaiwanWindow, .tolerance = tolerance})); });
+    triangulated.add([&] { made = triangulate(answer->quadtree, 1); });
     state.SetIterationTime(asked.last() + triangulated.last());
     vertices = made.points.size();
     triangles = made.triangles.size();
@@ -124,15 +124,19 @@ BENCHMARK(BM_Window4097_Warm)->Iterations(kTurns)->UseManualTime()->Unit(benchma
 void BM_TwoThreadsAgainstOne(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot one = Database::open(*file, {.cache_bytes = 0}).snapshot();
+  const Snapshot one = Database::open(*file, {.cache_bytes = 0, .threads = 1}).snapshot();
   const Snapshot two = Database::open(*file, {.cache_bytes = 0, .threads = 2}).snapshot();
-  const Metres tolerance = one.tolerance_for(kTaiwanWindow, {.vertices = 2'000'000});
+  const Metres tolerance = one.ask({.region = kTaiwanWindow, .budget = {.vertices = 2'000'000}}).quadtree.tolerance;
   Times by_one, by_two;
   for (auto _ : state) {
-    by_one.add(
-        [&] { benchmark::DoNotOptimize(triangulate(one.range(kTaiwanWindow, tolerance).quadtree).points.data()); });
-    by_two.add(
-        [&] { benchmark::DoNotOptimize(triangulate(two.range(kTaiwanWindow, tolerance).quadtree, 2).points.data()); });
+    by_one.add([&] {
+      benchmark::DoNotOptimize(
+          triangulate(one.ask({.region = kTaiwanWindow, .tolerance = tolerance}).quadtree, 1).points.data());
+    });
+    by_two.add([&] {
+      benchmark::DoNotOptimize(
+          triangulate(two.ask({.region = kTaiwanWindow, .tolerance = tolerance}).quadtree, 2).points.data());
+    });
     state.SetIterationTime(by_two.last_by_clock());
   }
   say(state, by_one.by_clock() / by_two.by_clock(), 1.7);
@@ -146,14 +150,14 @@ BENCHMARK(BM_TwoThreadsAgainstOne)->Iterations(kTurns)->UseManualTime()->Unit(be
 void BM_RunsOfWindow4097(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
+  const Snapshot now = Database::open(*file, {.cache_bytes = 0, .threads = 1}).snapshot();
   const auto bands = static_cast<int>(now.storage().bands.size());
   const GridRect window = state.range(0) != 0 ? kTaiwanShifted : kTaiwanWindow;
-  const Metres tolerance = now.tolerance_for(window, {.vertices = 2'000'000});
+  const Metres tolerance = now.ask({.region = window, .budget = {.vertices = 2'000'000}}).quadtree.tolerance;
   std::size_t worst = 0;
   for (auto _ : state) {
     const PageTrace trace;
-    const Answer answer = now.range(window, tolerance);
+    const Answer answer = now.ask({.region = window, .tolerance = tolerance});
     if (answer.cost.pages_read == 0 || trace.reads().size() < answer.cost.pages_read - 1) {
       return state.SkipWithError("pages were read unseen: the linker's --wrap no longer fits page_checksum");
     }
@@ -172,15 +176,15 @@ BENCHMARK(BM_RunsOfWindow4097)->ArgName("shifted")->Arg(0)->Arg(1)->Iterations(1
 void BM_PagesOfWholeTaiwan(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file, {.cache_bytes = 0}).snapshot();
+  const Snapshot now = Database::open(*file, {.cache_bytes = 0, .threads = 1}).snapshot();
   const StorageSummary storage = now.storage();
   QueryCost cost;
   std::size_t vertices = 0;
   for (auto _ : state) {
-    const Answer answer = now.range(now.description().extent, Metres{50});
+    const Answer answer = now.ask({.region = now.description().extent, .tolerance = Metres{50}});
     vertices = answer.quadtree.vertices.size();
     cost = answer.cost;
-    benchmark::DoNotOptimize(triangulate(answer.quadtree).triangles.data());
+    benchmark::DoNotOptimize(triangulate(answer.quadtree, 1).triangles.data());
   }
   say(state, 100 * static_cast<double>(cost.pages_read) / static_cast<double>(storage.pages), 5);
   state.counters["pages"] = static_cast<double>(cost.pages_read);
@@ -220,7 +224,7 @@ void BM_HundredTimesTheGround(benchmark::State& state) {
   if (!piece) return state.SkipWithError(kNoModels);
   const auto of = [&](int times) {
     return Database::open(kept_database(fmt::format("repeated_{}", times), [&] { return repeated(*piece, times); }),
-                          {.cache_bytes = 0})
+                          {.cache_bytes = 0, .threads = 1})
         .snapshot();
   };
   const Snapshot small = of(1), large = of(10);
@@ -236,8 +240,10 @@ void BM_HundredTimesTheGround(benchmark::State& state) {
   if (a.points != b.points || a.heights != b.heights) return state.SkipWithError("two answers");
   say(state, of_large, of_small, 1.3);
   state.counters["vertices"] = static_cast<double>(b.points.size());
-  state.counters["pages_small"] = static_cast<double>(small.range(kWindow, tolerance).cost.pages_read);
-  state.counters["pages_large"] = static_cast<double>(large.range(kWindow, tolerance).cost.pages_read);
+  state.counters["pages_small"] =
+      static_cast<double>(small.ask({.region = kWindow, .tolerance = tolerance}).cost.pages_read);
+  state.counters["pages_large"] =
+      static_cast<double>(large.ask({.region = kWindow, .tolerance = tolerance}).cost.pages_read);
 }
 BENCHMARK(BM_HundredTimesTheGround)
     ->ArgName("tolerance_m")
@@ -255,7 +261,7 @@ BENCHMARK(BM_HundredTimesTheGround)
 void BM_IncrementAgainstAnew(benchmark::State& state) {
   const auto file = kept(kSwiss);
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file).snapshot();
+  const Snapshot now = Database::open(*file, {.threads = 1}).snapshot();
   Times step, anew, applied;
   std::size_t added = 0, all = 0;
   for (auto _ : state) {
@@ -264,7 +270,7 @@ void BM_IncrementAgainstAnew(benchmark::State& state) {
     Difference difference;
     std::optional<Answer> answer;
     step.add([&] { difference = session.next(now, kSwissWindow, Metres{4}); });
-    anew.add([&] { answer.emplace(now.range(kSwissWindow, Metres{4})); });
+    anew.add([&] { answer.emplace(now.ask({.region = kSwissWindow, .tolerance = Metres{4}})); });
     applied.add([&] { benchmark::DoNotOptimize(apply(client, difference).heights.data()); });
     state.SetIterationTime(step.last());
     added = difference.added.added.vertices.size();
@@ -308,11 +314,12 @@ double drop(const fs::path& file) {
 void BM_WindowSwiss_Hot(benchmark::State& state) {
   const auto file = kept(kSwiss);
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file, {.cache_bytes = kRoomForAll}).snapshot();
+  const Snapshot now = Database::open(*file, {.cache_bytes = kRoomForAll, .threads = 1}).snapshot();
   const Metres tolerance{static_cast<double>(state.range(0))};
   (void)mesh(now, kSwissWindow, tolerance);
   for (auto _ : state) benchmark::DoNotOptimize(mesh(now, kSwissWindow, tolerance).points.data());
-  state.counters["pages_cached"] = static_cast<double>(now.range(kSwissWindow, tolerance).cost.pages_cached);
+  state.counters["pages_cached"] =
+      static_cast<double>(now.ask({.region = kSwissWindow, .tolerance = tolerance}).cost.pages_cached);
 }
 BENCHMARK(BM_WindowSwiss_Hot)->ArgName("tolerance_m")->Arg(1)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 
@@ -320,12 +327,13 @@ BENCHMARK(BM_WindowSwiss_Hot)->ArgName("tolerance_m")->Arg(1)->Arg(5)->Arg(20)->
 void BM_WindowSwissWithPoint(benchmark::State& state) {
   const auto file = kept(kSwiss);
   if (!file) return state.SkipWithError(kNoModels);
-  const Snapshot now = Database::open(*file, {.cache_bytes = state.range(1) != 0 ? kRoomForAll : 0}).snapshot();
+  const Snapshot now =
+      Database::open(*file, {.cache_bytes = state.range(1) != 0 ? kRoomForAll : 0, .threads = 1}).snapshot();
   const Question question{
       .region = kSwissWindow, .tolerance = Metres{static_cast<double>(state.range(0))}, .points = {kSwissWindow.first}};
   const auto work = [&] {
     const Answer answer = now.ask(question);
-    benchmark::DoNotOptimize(triangulate(answer.quadtree).triangles.data());
+    benchmark::DoNotOptimize(triangulate(answer.quadtree, 1).triangles.data());
     return answer.cost.pages_cached;
   };
   std::uint64_t cached = work();
@@ -348,7 +356,7 @@ void BM_WindowSwiss_Cold(benchmark::State& state) {
   for (auto _ : state) {
     still_there = std::max(still_there, drop(*file));
     std::optional<Snapshot> now;
-    opened.add([&] { now.emplace(Database::open(*file).snapshot()); });
+    opened.add([&] { now.emplace(Database::open(*file, {.threads = 1}).snapshot()); });
     asked.add([&] { (void)mesh(*now, kSwissWindow, tolerance); });
     state.SetIterationTime(opened.last_by_clock() + asked.last_by_clock());
   }

@@ -52,15 +52,13 @@ bool holds_tiles(PageWriter& writer) {
   return writer.is_finished() || writer.committed().summary(kRecordTable).pages > 0;
 }
 
-}  // namespace
-
-IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
-                    const IngestOptions& options) {
+IngestReport ingest_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                        const IngestOptions& options) {
   const Source source(inputs, options.inputs);
   Description description = source.description();
   description.void_weight = options.void_weight;
-  description.lossy_metres = options.inputs.height_step / 2;
-  description.finest_tolerance = options.finest_tolerance;
+  description.lossy_metres = options.inputs.height_step.value / 2;
+  description.finest_tolerance = options.finest_tolerance.value;
   description.error_kind = options.error_kind;
   description.error_metric = options.error_metric;
   Job job = job_of(
@@ -84,7 +82,9 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   if (left_before.kind != LeftWork::Kind::finished) writer->put({kHeaderTable, kPlanPosition}, bytes_of(plan));
   IngestReport report;
   try {
-    report = run(job, source, {{}, made_by(options), 0, {}}, *writer);
+    Provenance provenance;
+    provenance.made_by = made_by(options);
+    report = run(job, source, std::move(provenance), *writer);
   } catch (const Failure& f) {
     if (files.is_changed()) part.keep(false);  // some tiles may be of the old files and some of the new
     if (f.cause() == Cause::full && holds_tiles(*writer)) part.keep();
@@ -100,14 +100,14 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
   return report;
 }
 
-IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
-                               const IngestOptions& options) {
+IngestEstimate estimate_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                            const IngestOptions& options) {
   require_target(database, options.overwrite, 0);
   const Source source(inputs, options.inputs);
   Description description = source.description();
   description.void_weight = options.void_weight;
-  description.lossy_metres = options.inputs.height_step / 2;
-  description.finest_tolerance = options.finest_tolerance;
+  description.lossy_metres = options.inputs.height_step.value / 2;
+  description.finest_tolerance = options.finest_tolerance.value;
   description.error_kind = options.error_kind;
   description.error_metric = options.error_metric;
   const Job job = job_of(
@@ -117,6 +117,18 @@ IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs,
       estimate(job, source, [&](TileId id) { return source.touches(tile_window(id, description.extent)); });
   require_target(database, options.overwrite, sum.bytes);
   return sum;
+}
+
+}  // namespace
+
+IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                    const IngestOptions& options) {
+  return within_memory([&] { return ingest_all(inputs, database, options); });
+}
+
+IngestEstimate estimate_ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                               const IngestOptions& options) {
+  return within_memory([&] { return estimate_all(inputs, database, options); });
 }
 
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,

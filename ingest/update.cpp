@@ -121,7 +121,7 @@ struct Updating {
     options.error_metric = before.error_metric;
     options.no_guarantee = true;  // said when the database was made
     options.inputs.grid = grid_of(before);
-    options.inputs.height_step = 2 * before.lossy_metres;  // rounded as the rest
+    options.inputs.height_step = Metres{2 * before.lossy_metres};  // rounded as the rest
     return options;
   }
 };
@@ -136,10 +136,8 @@ void add_note_of_joints(const Source& source, std::vector<std::string>& notes) {
       "from one side only; an ingest of all rasters together interpolates across it");
 }
 
-}  // namespace
-
-IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
-                    const IngestOptions& asked) {
+IngestReport update_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                        const IngestOptions& asked) {
   const auto started = std::chrono::steady_clock::now();
   static_cast<void>(PageStore::open(followed(database)));  // who names no database is told so before a file is made
   // Nobody else writes from here on. Readers keep the file they have; the new one takes its name at the end, in one
@@ -180,8 +178,8 @@ IngestReport update(const std::vector<std::filesystem::path>& inputs, const std:
   return report;
 }
 
-IngestEstimate estimate_update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
-                               const IngestOptions& options) {
+IngestEstimate estimate_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                            const IngestOptions& options) {
   static_cast<void>(PageStore::open(followed(database)));
   require_target(database, true, 0);
   require_sound_file(followed(database));
@@ -196,6 +194,18 @@ IngestEstimate estimate_update(const std::vector<std::filesystem::path>& inputs,
   if (work.changes_nothing()) sum.tiles = 0, sum.seconds = 0;
   require_target(database, true, work.changes_nothing() ? 0 : sum.bytes);
   return sum;
+}
+
+}  // namespace
+
+IngestReport update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                    const IngestOptions& options) {
+  return within_memory([&] { return update_all(inputs, database, options); });
+}
+
+IngestEstimate estimate_update(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                               const IngestOptions& options) {
+  return within_memory([&] { return estimate_all(inputs, database, options); });
 }
 
 }  // namespace talus

@@ -5,15 +5,12 @@
 #include <fmt/format.h>
 
 #include "engine/quadtree/merge.hpp"
+#include "query/pages/watch.hpp"
+#include "query/selection/refusals.hpp"
+#include "query/snapshot_view.hpp"
 
 namespace talus {
 namespace {
-
-/// Of a sealed mask.
-std::uint64_t bytes_of(GridRect region) {
-  const auto words = static_cast<std::uint64_t>((region.cols() + 63) / 64) * static_cast<std::uint64_t>(region.rows());
-  return words * (sizeof(std::uint64_t) + sizeof(std::uint32_t));
-}
 
 /// The part of an answer that a mask has not.
 RestrictedQuadtree without(const RestrictedQuadtree& answer, const VertexMask& had) {
@@ -36,7 +33,7 @@ RestrictedQuadtree without(const RestrictedQuadtree& answer, const VertexMask& h
 
 }  // namespace
 
-std::uint64_t Session::bytes() const { return knows_ ? bytes_of(vertices_.region()) : 0; }
+std::uint64_t Session::bytes() const { return knows_ ? bytes_of_mask(vertices_.region()) : 0; }
 
 void Session::forget() {
   knows_ = false;
@@ -44,8 +41,9 @@ void Session::forget() {
 }
 
 Difference Session::next(const Snapshot& now, GridRect region, Metres tolerance) {
+  require_inside(pages_of(now), region);
   Difference difference;
-  const bool same_state = knows_ && origin_.identity == now.identity();
+  const bool same_state = knows_ && origin_.identity == pages_of(now).identity();
   difference.starts_over = !same_state;
   if (same_state) {
     difference.region_before = vertices_.region();
@@ -54,11 +52,11 @@ Difference Session::next(const Snapshot& now, GridRect region, Metres tolerance)
   VertexMask has;
   if (same_state && region == vertices_.region() && tolerance < tolerance_) {
     difference.is_increment = true;
-    difference.added = now.increment(region, tolerance_, tolerance);
+    difference.added = increment_of(now.ask({.region = region, .tolerance = tolerance, .from = tolerance_}));
     has = vertices_;
     difference.added.added.vertices.for_each([&](GridPoint p) { has.insert(p); });
   } else {
-    Answer answer = now.range(region, tolerance);
+    Answer answer = now.ask({.region = region, .tolerance = tolerance});
     difference.added.cost = answer.cost;
     if (same_state) {
       difference.added.added = without(answer.quadtree, vertices_);
@@ -71,7 +69,7 @@ Difference Session::next(const Snapshot& now, GridRect region, Metres tolerance)
       difference.added.added = std::move(answer.quadtree);
     }
   }
-  difference.remembered = bytes_of(region) <= most_bytes_;
+  difference.remembered = bytes_of_mask(region) <= most_bytes_;
   if (!difference.remembered) {
     forget();
     return difference;

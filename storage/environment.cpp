@@ -104,6 +104,7 @@ class OpenFiles {
     const auto key = std::pair{status.st_dev, status.st_ino};
     if (auto shared = open_[key].lock()) return shared;
     auto made = make(file, static_cast<std::uint64_t>(status.st_size));
+    made->place = {status.st_dev, status.st_ino};
     open_[key] = made;
     return made;
   }
@@ -139,6 +140,11 @@ OpenFiles& open_files() {
 
 PageStore PageStore::open(const std::filesystem::path& file) { return PageStore(open_files().open(file)); }
 const std::filesystem::path& PageStore::file() const { return environment_->file; }
+bool PageStore::is_file(const std::filesystem::path& name) const {
+  struct stat status {};
+  return ::stat(name.c_str(), &status) == 0 &&
+         environment_->place == std::pair<std::uint64_t, std::uint64_t>{status.st_dev, status.st_ino};
+}
 std::uint64_t PageStore::file_bytes() const { return environment_->file_bytes; }
 
 }  // namespace talus

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "storage/map_guard.hpp"
 #include "storage/page_store.hpp"
@@ -42,6 +43,7 @@ struct PageStore::Environment {
   std::array<std::optional<unsigned>, kMaxTables> tables{};
   std::filesystem::path file;
   std::uint64_t file_bytes = 0;
+  std::pair<std::uint64_t, std::uint64_t> place;  ///< device and inode: the file itself, whatever its name
 
   /// Opens those tables that are there and not open yet.
   void open_tables();

@@ -49,6 +49,8 @@ class PageStore {
   [[nodiscard]] static PageStore open(const std::filesystem::path& file);
 
   [[nodiscard]] const std::filesystem::path& file() const;
+  /// Whether a name leads to the file that is open.
+  [[nodiscard]] bool is_file(const std::filesystem::path& name) const;
   [[nodiscard]] std::uint64_t file_bytes() const;
 
   struct Environment;

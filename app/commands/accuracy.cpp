@@ -87,8 +87,9 @@ Exit run(const Request& request) {
     // Closed again before anything is measured: what is open stays in memory.
     const Snapshot now = open_database(request.database).snapshot();
     if (rectangle) {
-      options.region = now.region(*rectangle);
-      is_clipped = now.is_cut(*rectangle);
+      const PlacedRectangle placed = now.region(*rectangle);
+      options.region = placed.samples;
+      is_clipped = placed.is_cut;
       if (is_clipped) note(clipped_text(*request.bbox));
     }
     if (!request.against.empty()) {

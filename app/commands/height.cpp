@@ -35,11 +35,7 @@ class Answers {
 
   [[nodiscard]] std::string text(const std::vector<Position>& points) {
     heights_.resize(points.size());
-    if (tolerance_) {
-      now_.heights(points, *tolerance_, heights_);
-    } else {
-      now_.heights(points, heights_);
-    }
+    now_.heights(points, heights_, tolerance_);
     fmt::memory_buffer lines;
     for (std::size_t i = 0; i < points.size(); ++i) line(points[i], heights_[i], lines);
     return fmt::to_string(lines);
@@ -47,7 +43,7 @@ class Answers {
 
  private:
   void line(Position p, std::optional<double> height, fmt::memory_buffer& to) const {
-    const char* why = height ? "" : now_.is_inside(p) ? "void" : "outside";
+    const char* why = height ? "" : is_inside(now_, p) ? "void" : "outside";
     if (json_) {
       Json object{{"x", p.x}, {"y", p.y}, {"height", nullptr}};
       height ? object["height"] = *height : object["why"] = why;

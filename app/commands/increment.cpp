@@ -1,5 +1,7 @@
 #include "app/commands/increment.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "app/terminal/explain.hpp"
@@ -10,22 +12,26 @@
 
 namespace talus::app {
 
-Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, Metres quantum,
-                     const std::vector<std::string>& outputs, const StreamOptions& options, bool json, bool explain) {
+Exit write_increment(const Snapshot& now, const Question& question, const std::vector<std::string>& outputs,
+                     const StreamOptions& options, bool json, bool explain) {
   for (const std::string& output : outputs) {
     if (is_stream_file(output)) continue;
     throw Failure(Cause::invalid_argument,
                   fmt::format("--from asks for an increment, which has no mesh: --output {} must end in .rqt", output));
   }
   const Description& description = now.description();
-  const Increment increment =
-      quantum.value > 0 ? now.quantised_increment(region, from, to, quantum) : now.increment(region, from, to);
+  Answer answer = now.ask(question);
   Stages stages;
+  if (answer.search.pages_read > 0) stages.add_search(answer.search);
+  const Increment increment = increment_of(std::move(answer));
   stages.add(increment.cost);
+  const Metres from = increment.from, to = increment.added.tolerance;
+  const GridRect region = question.region;
   const auto write = [&] {
     // What a reader has.
     const RestrictedQuadtree base =
-        quantum.value > 0 ? now.quantised(region, from, quantum).quadtree : now.range(region, from).quadtree;
+        now.ask({.region = region, .tolerance = from, .heights = question.heights, .threads = question.threads})
+            .quadtree;
     for (const std::string& output : outputs) {
       const HoldInterrupts whole_file_or_none;
       write_stream({description, increment}, output, options, &base);

@@ -10,8 +10,8 @@
 
 namespace talus::app {
 
-/// Writes what an answer at `from` lacks of one at `to`. Fails with invalid_argument where an output is no .rqt.
-Exit write_increment(const Snapshot& now, GridRect region, Metres from, Metres to, Metres quantum,
-                     const std::vector<std::string>& outputs, const StreamOptions& options, bool json, bool explain);
+/// Writes the increment that a question asks for. Fails with invalid_argument where an output is no .rqt.
+Exit write_increment(const Snapshot& now, const Question& question, const std::vector<std::string>& outputs,
+                     const StreamOptions& options, bool json, bool explain);
 
 }  // namespace talus::app

@@ -40,7 +40,7 @@ void settle_options(Request& request) {
   o.void_weight = parse_weight(request.void_weight);
   o.error_kind = parse_error_kind(request.error);
   o.error_metric = parse_error_metric(request.metric);
-  if (!request.tolerance.empty()) o.finest_tolerance = parse_tolerance(request.tolerance).value;
+  if (!request.tolerance.empty()) o.finest_tolerance = parse_tolerance(request.tolerance);
   o.memory_bytes = parse_bytes(request.memory);
   if (!request.cell.empty()) {
     const auto [dx, dy] = parse_cell(request.cell);
@@ -61,7 +61,7 @@ void settle_options(Request& request) {
   }
   if (o.no_guarantee && o.error_kind != ErrorKind::midpoint)
     throw Failure(Cause::invalid_argument, "--no-guarantee goes with --error midpoint; any other bound is kept");
-  if (request.update && o.finest_tolerance > 0)
+  if (request.update && o.finest_tolerance.value > 0)
     throw Failure(Cause::invalid_argument,
                   "--tolerance is chosen when a database is made; it does not go with --update");
 }

@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -32,12 +33,6 @@ struct Request {
   StreamWords stream;
   HeightWords heights;
   bool json = false, explain = false;
-
-  /// Nothing but a rectangle with a constrained border and one tolerance.
-  [[nodiscard]] bool is_plain() const {
-    return border == "constrain" && focus.empty() && tolerance_raster.empty() && max_level < 0 && neighbours.empty() &&
-           interest.is_empty();
-  }
 };
 
 /// All that is read.
@@ -64,32 +59,33 @@ std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& 
   return neighbours;
 }
 
+/// Region and tolerances are the database's to say; all else are words.
 Question question_of(const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle,
-                     const Places& places, Stages& stages) {
+                     Places places, Stages& stages) {
   const Description& d = now.description();
   Question question;
-  question.region = snapped(rectangle ? now.region(*rectangle) : d.extent, request.snap, d.extent);
+  question.region = snapped(rectangle ? now.region(*rectangle).samples : d.extent, request.snap, d.extent);
   question.border = parse_border(request.border);
   if (request.max_level >= 0) question.max_level = request.max_level;
-  question.points = samples_of(places, d, question.region);
+  question.places = std::move(places.points);
+  question.lines = std::move(places.lines);
+  question.budget = request.budget;
+  if (!request.tolerance.empty()) question.tolerance = parse_tolerance(request.tolerance);
   if (!request.tolerance_raster.empty()) {
     stages.time("read the tolerances",
                 [&] { question.field = tolerance_of_raster(request.tolerance_raster, d, question.region); });
-  } else if (request.tolerance.empty()) {
-    QueryCost search;
-    question.tolerance = now.tolerance_for(question.region, request.budget, search);
-    stages.add_search(search);
-  } else {
-    question.tolerance = parse_tolerance(request.tolerance);
   }
   if (!request.focus.empty()) {
     const Focus focus = parse_focus(request.focus);
     question.field = focus_tolerance(d, focus.x, focus.y, focus.metres_per_metre, question.tolerance);
   }
+  if (!request.from.empty()) question.from = parse_tolerance(request.from, "--from");
+  question.heights = request.heights.heights();
+  question.threads = request.threads;
   return question;
 }
 
-/// An .rqt file holds a quadtree, and what goes on from one holds what its tolerance alone selects.
+/// An .rqt file holds a quadtree.
 void require_fit_for_streams(const Request& request) {
   for (const std::string& output : request.outputs) {
     if (!is_stream_file(output) || parse_border(request.border) != Border::clip) continue;
@@ -99,32 +95,9 @@ void require_fit_for_streams(const Request& request) {
                     "cover, or for a mesh",
                     output));
   }
-  if (request.is_plain() || request.from.empty()) return;
-  throw Failure(Cause::invalid_argument,
-                "--from goes on from an answer of one tolerance with a constrained border, without "
-                "--border, --focus, --max-level, --match, --tolerance-raster, points and lines");
 }
 
-void require_fit_for_heights(const Request& request) {
-  if (request.heights.are_exact()) return;
-  if (!request.is_plain()) {
-    throw Failure(Cause::invalid_argument,
-                  "--heights bounded, fitted and dense go with a rectangle, a tolerance or a budget and --border "
-                  "constrain: without "
-                  "--focus, --max-level, --match, --tolerance-raster, points, lines and other borders");
-  }
-  if (!request.from.empty() && (request.heights.are_dense() || request.heights.are_fitted())) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("--heights {} has other heights at each tolerance: nothing goes on to it from another answer",
-                    request.heights.heights));
-  }
-  if (!request.from.empty() && request.heights.quantum.empty())
-    throw Failure(Cause::invalid_argument,
-                  "--from with --heights bounded goes on from an answer with the same --quantum: name it");
-}
-
-/// One thing decides about the tolerance.
+/// One word decides about the tolerance, and one about where which is.
 void require_tolerance(const Request& request) {
   const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
   const bool has_raster = !request.tolerance_raster.empty();
@@ -132,12 +105,6 @@ void require_tolerance(const Request& request) {
     throw Failure(Cause::invalid_argument,
                   "expected --tolerance M, or one of these instead: a budget, --max-vertices or --max-triangles, or "
                   "--tolerance-raster");
-  }
-  if (has_budget && !request.is_plain()) {
-    throw Failure(Cause::invalid_argument,
-                  "a budget finds the tolerance of a constrained border: without --focus, --max-level, --match, "
-                  "points, lines and "
-                  "other borders");
   }
   if (has_raster && !request.focus.empty())
     throw Failure(Cause::invalid_argument,
@@ -169,8 +136,7 @@ Exit run(const Request& request) {
   if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
   static_cast<void>(parse_border(request.border));
-  const Metres quantum = request.heights.step();
-  require_fit_for_heights(request);
+  static_cast<void>(request.heights.heights());
   const StreamOptions options = stream_options(request.stream, request.threads);
   if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
   require_fit_for_streams(request);
@@ -182,27 +148,25 @@ Exit run(const Request& request) {
   const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
   const Snapshot now = open_database(request.database, {.threads = request.threads}).snapshot();
   const Description& description = now.description();
-  const bool is_clipped = rectangle && now.is_cut(*rectangle);
+  const bool is_clipped = rectangle && now.region(*rectangle).is_cut;
   const auto start = std::chrono::steady_clock::now();
   Stages stages;
   Question question = question_of(request, now, rectangle, places, stages);
-  const bool by_raster = !request.tolerance_raster.empty();
-  const Metres tolerance = by_raster ? Metres{question.field->least(question.region)} : question.tolerance;
-  if (!request.from.empty()) {
-    if (is_clipped) note(clipped_text(request.bbox));
-    return write_increment(now, question.region, parse_tolerance(request.from, "--from"), tolerance, quantum,
-                           request.outputs, options, request.json, request.explain);
-  }
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
-  const Answer answer = request.heights.are_exact()    ? now.ask(question)
-                        : request.heights.are_dense()  ? now.dense(question.region, tolerance)
-                        : request.heights.are_fitted() ? now.fitted(question.region, tolerance, quantum)
-                        : quantum.value > 0            ? now.quantised(question.region, tolerance, quantum)
-                                                       : now.bounded(question.region, tolerance);
+  if (question.from) {
+    if (is_clipped) note(clipped_text(request.bbox));
+    return write_increment(now, question, request.outputs, options, request.json, request.explain);
+  }
+  const Answer answer = now.ask(question);
+  const bool by_raster = !request.tolerance_raster.empty();
+  const Metres tolerance = by_raster        ? Metres{question.field->least(question.region)}
+                           : question.field ? question.tolerance
+                                            : answer.quadtree.tolerance;
+  if (request.tolerance.empty() && !by_raster) stages.add_search(answer.search);
   stages.add(answer.cost);
   Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree, request.threads); });
   if (question.border == Border::clip && rectangle)
-    mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.frame(*rectangle)); });
+    mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.region(*rectangle).frame); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   Metres bound = answer.quadtree.bound;
@@ -247,15 +211,15 @@ Exit run(const Request& request) {
   table.add("bound", bound_text(description, bound));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
   table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
-  if (!request.heights.are_exact())
+  if (question.heights.kind != HeightKind::exact)
     table.add("heights", fmt::format("multiples of {} m", answer.quadtree.origin.quantum.value));
   table.add("border",
             fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
   if (!neighbours.empty())
     table.add("match", fmt::format("{} of the vertices are for neighbours alone", counted(answer.matching_vertices)));
   if (!request.interest.is_empty()) {
-    table.add("points", fmt::format("{} samples, {} of the vertices are for them alone",
-                                    counted(question.points.size()), counted(answer.point_vertices)));
+    table.add("points", fmt::format("{} samples, {} of the vertices are for them alone", counted(answer.points),
+                                    counted(answer.point_vertices)));
   }
   table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
                                 sized(answer.cost.bytes_read)));

@@ -53,7 +53,7 @@ SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>&
                       database, text(is_kept, kept), p.col, p.row, name, text(is_there, there)));
     };
     if (d.finest_tolerance > 0) {
-      const RestrictedQuadtree finest = now.range(part, Metres{0}).quadtree;
+      const RestrictedQuadtree finest = now.ask({.region = part}).quadtree;
       std::size_t i = 0;
       finest.vertices.for_each([&](GridPoint p) {
         const double kept = finest.heights[i++];

@@ -187,13 +187,13 @@ std::pair<double, double> parse_cell(const std::string& word) {
   return {*dx, *dy};
 }
 
-double parse_height_step(const std::string& word) {
+Metres parse_height_step(const std::string& word) {
   const std::optional<double> value = number(word);
   if (!value || !(*value > 0) || !std::isfinite(*value)) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("--height-step takes metres, more than 0; \"{}\" is not that", word));
   }
-  return *value;
+  return Metres{*value};
 }
 
 double parse_nodata(const std::string& word) {

@@ -43,7 +43,7 @@ inline constexpr std::size_t kMostPoints = 10'000'000;
 /// "DX,DY" or one number for both, larger than 0.
 [[nodiscard]] std::pair<double, double> parse_cell(const std::string& word);
 /// Metres, larger than 0.
-[[nodiscard]] double parse_height_step(const std::string& word);
+[[nodiscard]] Metres parse_height_step(const std::string& word);
 /// A finite number or nan.
 [[nodiscard]] double parse_nodata(const std::string& word);
 /// "none", "terrain-rgb" or "terrarium".

@@ -97,13 +97,6 @@ Places read_places(const Interest& interest) {
   return places;
 }
 
-std::vector<GridPoint> samples_of(const Places& places, const Description& description, GridRect region) {
-  std::vector<GridPoint> samples = samples_nearest(description, region, places.points);
-  const std::vector<GridPoint> along = samples_along(description, region, places.lines);
-  samples.insert(samples.end(), along.begin(), along.end());
-  return samples;
-}
-
 std::shared_ptr<const ToleranceField> tolerance_of_raster(const std::string& file, const Description& description,
                                                           GridRect region) {
   const ToleranceRaster raster = blaming(file, [&] { return read_tolerances(file, description, region); });

@@ -29,8 +29,6 @@ struct Places {
 };
 /// fails  invalid_argument, io: names option or file and line
 [[nodiscard]] Places read_places(const Interest& interest);
-/// fails  invalid_argument: as samples_nearest and samples_along
-[[nodiscard]] std::vector<GridPoint> samples_of(const Places& places, const Description& description, GridRect region);
 
 /// --tolerance-raster. Failures name the file.
 [[nodiscard]] std::shared_ptr<const ToleranceField> tolerance_of_raster(const std::string& file,

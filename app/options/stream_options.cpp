@@ -41,7 +41,7 @@ StreamOptions stream_options(const StreamWords& words, int threads) {
 
 void add_height_words(CLI::App* command, HeightWords& words) {
   command
-      ->add_option("--heights", words.heights,
+      ->add_option("--heights", words.kind,
                    "exact: the source's own; bounded: multiples of a quantum, within the tolerance all the same,\n"
                    "which make .rqt files smaller; fitted: moved within the tolerance to where fewest vertices are\n"
                    "needed; dense: nearly every sample, rounded as far as the tolerance allows, smaller still where a\n"
@@ -55,18 +55,23 @@ void add_height_words(CLI::App* command, HeightWords& words) {
       ->option_text("M");
 }
 
-Metres HeightWords::step() const {
-  if (heights != "exact" && heights != "bounded" && heights != "fitted" && heights != "dense") {
+Heights HeightWords::heights() const {
+  Heights heights;
+  if (kind == "bounded") {
+    heights.kind = HeightKind::bounded;
+  } else if (kind == "fitted") {
+    heights.kind = HeightKind::fitted;
+  } else if (kind == "dense") {
+    heights.kind = HeightKind::dense;
+  } else if (kind != "exact") {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("--heights takes exact, bounded, fitted or dense; \"{}\" is none of them", heights));
+                  fmt::format("--heights takes exact, bounded, fitted or dense; \"{}\" is none of them", kind));
   }
-  if (quantum.empty()) return Metres{0};
-  if (heights != "bounded" && !are_fitted())
-    throw Failure(Cause::invalid_argument, "--quantum goes with --heights bounded and fitted");
-  const Metres step = parse_tolerance(quantum, "--quantum");
-  if (!(step.value > 0) || !std::isfinite(step.value))
+  if (quantum.empty()) return heights;
+  heights.quantum = parse_tolerance(quantum, "--quantum");
+  if (!(heights.quantum.value > 0) || !std::isfinite(heights.quantum.value))
     throw Failure(Cause::invalid_argument, fmt::format("--quantum takes metres above 0; \"{}\" is not that", quantum));
-  return step;
+  return heights;
 }
 
 std::string spelled(StreamProfile profile) {

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "talus/question.hpp"
 #include "talus/stream.hpp"
 
 namespace talus::app {
@@ -17,18 +18,15 @@ struct StreamWords {
 void add_stream_words(CLI::App* command, StreamWords& words);
 /// What heights an answer has: exact ones, or multiples of a quantum.
 struct HeightWords {
-  std::string heights = "exact", quantum;
+  std::string kind = "exact", quantum;
 
-  [[nodiscard]] bool are_exact() const { return heights == "exact"; }
-  [[nodiscard]] bool are_fitted() const { return heights == "fitted"; }
-  [[nodiscard]] bool are_dense() const { return heights == "dense"; }
-  /// 0: none was given. Fails with invalid_argument, naming option and value.
-  [[nodiscard]] Metres step() const;
+  /// Fails with invalid_argument, naming option and value.
+  [[nodiscard]] Heights heights() const;
 };
 void add_height_words(CLI::App* command, HeightWords& words);
 
 /// Fails with invalid_argument, naming option and value.
-[[nodiscard]] StreamOptions stream_options(const StreamWords& words, int threads = 1);
+[[nodiscard]] StreamOptions stream_options(const StreamWords& words, int threads = 0);
 [[nodiscard]] std::string spelled(StreamProfile profile);
 
 }  // namespace talus::app

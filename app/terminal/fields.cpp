@@ -7,7 +7,7 @@ namespace talus::app {
 namespace {
 
 // A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 23> kOptions{{
+constexpr std::array<std::pair<const char*, const char*>, 37> kOptions{{
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
     {"IngestOptions::void_weight", "--void-weight"},
@@ -31,6 +31,20 @@ constexpr std::array<std::pair<const char*, const char*>, 23> kOptions{{
     {"InputOptions::grid", "--grid-of"},
     {"InputOptions::priority_resolution", "--priority resolution"},
     {"InputOptions::height_step", "--height-step"},
+    {"Question::rectangle", "--bbox"},
+    {"Question::region", "--bbox"},
+    {"Question::tolerance", "--tolerance"},
+    {"Question::budget", "a budget (--max-vertices or --max-triangles)"},
+    {"Question::field", "--focus or --tolerance-raster"},
+    {"Question::from", "--from"},
+    {"Question::border", "--border"},
+    {"Question::heights", "--heights"},
+    {"Heights::quantum", "--quantum"},
+    {"Question::max_level", "--max-level"},
+    {"Question::points", "points and lines"},
+    {"Question::neighbours", "--match"},
+    {"Question::threads", "--threads"},
+    {"see snapped(),", "--snap 16,"},
 }};
 
 }  // namespace

@@ -31,12 +31,11 @@
 
 #include "engine/error/error_ladder.hpp"
 #include "engine/error/vertex_error.hpp"
+#include "engine/geo/ground.hpp"
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "engine/quadtree/half_diamond.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "query/accuracy/true_error.hpp"
-#include "engine/geo/ground.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {

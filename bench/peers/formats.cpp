@@ -20,7 +20,6 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "engine/quadtree/half_diamond.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "query/accuracy/true_error.hpp"
 #include "talus/bitree.hpp"

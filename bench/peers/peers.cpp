@@ -55,8 +55,9 @@ class Peers {
       : model_(model),
         window_{first, {first.col + kSide - 1, first.row + kSide - 1}},
         folder_(std::move(folder)),
-        now_(
-            Database::open(kept_database(model.stem().string(), [&] { return model; }), {.cache_bytes = 0}).snapshot()),
+        now_(Database::open(kept_database(model.stem().string(), [&] { return model; }),
+                            {.cache_bytes = 0, .threads = 1})
+                 .snapshot()),
         truth_(model) {
     GDALAllRegister();
   }
@@ -67,7 +68,8 @@ class Peers {
     if (verb == "lerc") return lerc(rest);
     if (verb == "float") return read("0", GDT_Float32, floats_);
     if (verb == "export") return write_floats(rest);
-    if (verb == "judge") return judge(triangulate(now_.range(window_, Metres{std::stod(rest)}).quadtree));
+    if (verb == "judge")
+      return judge(triangulate(now_.ask({.region = window_, .tolerance = Metres{std::stod(rest)}}).quadtree, 1));
     if (verb == "judge_file") return judge(mesh_of(rest));
     throw Failure(Cause::invalid_argument, "no such question: " + verb);
   }
@@ -81,7 +83,7 @@ class Peers {
   std::string talus(Metres tolerance) const {
     std::size_t vertices = 0, triangles = 0;
     const std::string time = milliseconds([&] {
-      const Mesh mesh = triangulate(now_.range(window_, tolerance).quadtree);
+      const Mesh mesh = triangulate(now_.ask({.region = window_, .tolerance = tolerance}).quadtree, 1);
       vertices = mesh.points.size();
       triangles = mesh.triangles.size();
     });

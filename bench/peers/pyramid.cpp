@@ -27,7 +27,6 @@
 #include "bench/kept.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "engine/quadtree/half_diamond.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "query/accuracy/true_error.hpp"
 #include "talus/strip.hpp"
@@ -205,11 +204,14 @@ void compare(const std::filesystem::path& model, GridPoint first, std::int32_t s
   print("all", tolerance, total);
 
   const auto file = kept_database(model.stem().string(), [&] { return model; });
-  const Snapshot now = Database::open(file).snapshot();
-  const TriangleStrip strip = strip_of(now.range(window, Metres{(1 - kRounding) * tolerance}).quadtree);
+  const Snapshot now = Database::open(file, {.threads = 1}).snapshot();
+  const TriangleStrip strip =
+      strip_of(now.ask({.region = window, .tolerance = Metres{(1 - kRounding) * tolerance}}).quadtree);
   const auto written = static_cast<double>(encode_strip(strip, {2 * kRounding * tolerance}).size());
   print("talus", tolerance, {1, strip.triangles(), written, written, static_cast<double>(strip.jumps())});
-  const Stream stream{now.description(), now.bounded(window, Metres{tolerance}).quadtree};
+  const Stream stream{
+      now.description(),
+      now.ask({.region = window, .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::bounded}}).quadtree};
   const auto streamed = static_cast<double>(encode(stream).size());
   print("stream", tolerance,
         {1, triangulate(std::get<RestrictedQuadtree>(stream.content), 1).triangles.size(), streamed, streamed, 0});

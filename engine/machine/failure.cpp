@@ -10,6 +10,9 @@ std::string_view to_string(Cause cause) {
     case Cause::unsupported: return "unsupported";
     case Cause::full: return "disk full";
     case Cause::io: return "i/o";
+    case Cause::cancelled: return "cancelled";
+    case Cause::too_large: return "too large";
+    case Cause::out_of_memory: return "out of memory";
   }
   return "unknown cause";  // a number from a later version, handed through the C interface
 }

@@ -1,5 +1,3 @@
-#include "engine/quadtree/triangulation.hpp"
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -8,7 +6,9 @@
 
 #include "engine/machine/cpu.hpp"
 #include "engine/machine/parallel.hpp"
+#include "engine/quadtree/grid.hpp"
 #include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
 
 namespace talus {
 namespace {
@@ -219,8 +219,11 @@ void drop_unused(Mesh& mesh) {
 
 }  // namespace
 
-Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
+namespace {
+
+Mesh triangulated(const RestrictedQuadtree& quadtree, int threads, const std::stop_token& stop) {
   constexpr std::size_t kWorthAThread = 1 << 16;  // vertices
+  constexpr std::int64_t kRowsAtOnce = 256;       // between two looks at the stop token
   const std::size_t count = quadtree.vertices.size();
   threads = static_cast<int>(
       std::min<std::size_t>(static_cast<std::size_t>(threads_or_all(threads)), 1 + count / kWorthAThread));
@@ -240,8 +243,13 @@ Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
     if (i > 0) written[i].resize(4 * part.vertices + kMostAround);
     Array<Corners>& to = i > 0 ? written[i] : mesh.triangles;
     Emitter emitter(quadtree, mesh, to.data(), to.size());
-    const Corners* end =
-        has_popcnt() ? emit_popcnt(emitter, part.first, part.last) : emit_plain(emitter, part.first, part.last);
+    const Corners* end = to.data();
+    for (std::int64_t row = part.first; row <= part.last; row += kRowsAtOnce) {
+      if (stop.stop_requested()) throw Failure(Cause::cancelled, "cancelled: the triangulation was asked to stop");
+      const auto first_row = static_cast<std::int32_t>(row);
+      const auto last_row = static_cast<std::int32_t>(std::min<std::int64_t>(part.last, row + kRowsAtOnce - 1));
+      end = has_popcnt() ? emit_popcnt(emitter, first_row, last_row) : emit_plain(emitter, first_row, last_row);
+    }
     sizes[i] = static_cast<std::size_t>(end - to.data());
     const std::size_t first = quadtree.vertices.rank({quadtree.vertices.region().first.col, part.first});
     std::copy_n(quadtree.heights.begin() + static_cast<std::ptrdiff_t>(first), part.vertices,
@@ -258,6 +266,12 @@ Mesh triangulate(const RestrictedQuadtree& quadtree, int threads) {
   const bool reaches_out = !(mesh.region == quadtree.vertices.region());
   if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) drop_unused(mesh);
   return mesh;
+}
+
+}  // namespace
+
+Mesh triangulate(const RestrictedQuadtree& quadtree, int threads, const std::stop_token& stop) {
+  return within_memory([&] { return triangulated(quadtree, threads, stop); });
 }
 
 }  // namespace talus

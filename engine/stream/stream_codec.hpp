@@ -20,7 +20,7 @@ namespace talus {
 ///        left over; unsupported: another version, more than the limits allow; invalid_argument: an increment that does
 ///        not go on from `base`
 [[nodiscard]] Stream decode_stream(std::span<const std::byte> bytes, const StreamLimits& limits = {},
-                                   const RestrictedQuadtree* base = nullptr, int threads = 1);
+                                   const RestrictedQuadtree* base = nullptr, int threads = 0);
 
 /// As read_stream_info, of bytes.
 [[nodiscard]] StreamInfo stream_info(std::span<const std::byte> bytes, const StreamLimits& limits = {});

@@ -23,7 +23,7 @@ struct AccuracyOptions {
   bool maps = true;
   /// What errors are measured against; empty: the database's own samples, or nothing if it did not keep them all.
   SampleReader truth;
-  int threads = 0;  ///< of an answer, see OpenOptions
+  int threads = 0;  ///< of an answer; 0: one a core, see OpenOptions
   /// Told now and then what share of the work is done, and what is being done; may throw to end it.
   std::function<void(double fraction, const char* stage)> progress;
 };

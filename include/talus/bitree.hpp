@@ -55,7 +55,7 @@ struct BitreeOptions {
 /// restricted quadtree before its closure; what the region's sides need, as there; and, so that the bound holds, any
 /// vertex whose made-up height leaves a covered sample farther off than the tolerance.
 ///
-/// Voids are treated as in Snapshot::range: a triangle is there iff it holds a valid finest one, and void vertices that
+/// Voids are treated as in Snapshot::ask: a triangle is there iff it holds a valid finest one, and void vertices that
 /// are selected get the height of a sample nearby. Bitrees of regions that share a side need not meet there.
 ///
 /// samples    values and valid of the region's size, row by row

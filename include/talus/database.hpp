@@ -27,9 +27,25 @@ struct Answer {
   /// Vertices on shared sides that a neighbour lacks: where there are any, the two meet with cracks until the neighbour
   /// is asked again with this answer as its neighbour.
   std::vector<GridPoint> unmatched = {};
-  std::uint64_t point_vertices = 0;  ///< that are there for Question::points alone, with all these depend on
-  std::uint64_t void_points = 0;     ///< points asked for that are no vertices, for they have no data
-  QueryCost cost;
+  std::uint64_t points = 0;          ///< samples that Question::points, places and lines name
+  std::uint64_t point_vertices = 0;  ///< vertices that are there for these alone, with all they depend on
+  std::uint64_t void_points = 0;     ///< samples of these without data: they are no vertices
+  /// As asked. The quadtree then holds only what the answer at this tolerance lacks, which makes no mesh;
+  /// increment_of() makes it ready for merge() and streams.
+  std::optional<Metres> from = {};
+  QueryCost cost;    ///< without `search`
+  QueryCost search;  ///< cost of the search for a budget's tolerance, which is quadtree.tolerance; 0 without a budget
+};
+
+/// What an answer with Question::from is for merge() and streams.
+/// fails  invalid_argument: an answer to a question without `from`
+[[nodiscard]] Increment increment_of(Answer answer);
+
+/// Where a rectangle in CRS coordinates lies on the grid.
+struct PlacedRectangle {
+  GridRect samples;     ///< outward to grid lines, cut at the raster
+  Frame frame;          ///< the rectangle itself, grid lines being whole numbers, cut at the outermost samples
+  bool is_cut = false;  ///< it reaches farther than the raster's outermost cells, and `samples` leaves that out
 };
 
 struct ProfileVertex {
@@ -58,8 +74,16 @@ struct StorageSummary {
   int format_version = 0;
 };
 
-/// One consistent view of a database. It may move between threads and be asked from several at once.
-/// Keep it short: as long as one lives, a writer cannot reuse the pages it sees.
+/// One consistent view of a database: it stays as it was, whatever becomes of the file. Keep it short: as long as one
+/// lives, the system cannot reuse the room of a file that has been replaced.
+///
+/// Threads: several may ask one snapshot at once, and it may move between them.
+///
+/// In a geographic CRS all questions take longitudes a full turn apart as one place. Each next point of a line is taken
+/// on the turn nearest to the one before.
+///
+/// Every question can fail with out_of_memory, with corrupt for a damaged page, and with io where the file has become
+/// shorter or its disk fails.
 class Snapshot {
  public:
   ~Snapshot();
@@ -68,167 +92,88 @@ class Snapshot {
 
   [[nodiscard]] const Description& description() const;
   [[nodiscard]] StorageSummary storage() const;
-  /// What it was made from, and how many vertices tolerances select.
+  /// What it was made from, which state of the database it is, and how many vertices tolerances select.
   [[nodiscard]] Provenance provenance() const;
 
-  /// Of all questions: in a geographic CRS longitudes a full turn apart are one place, whichever is written. Each next
-  /// point of a line is taken on the turn nearest to the one before.
-
-  /// The samples a rectangle covers: outward to grid lines (a coordinate within 10⁻⁶ cell of a line is
-  /// on it), then clipped to the raster. In a geographic CRS xmin > xmax is the box across the antimeridian, if it is
-  /// at most half a turn wide.
+  /// The samples that a rectangle covers: outward to grid lines (a coordinate within 10⁻⁶ cell of a line is on it),
+  /// then cut at the raster. In a geographic CRS xmin > xmax is the box across the antimeridian, if it is at most half
+  /// a turn wide.
   /// fails  invalid_argument: swapped, empty or NaN corners, or nothing in common with the raster; a box at both ends
   ///        of a raster that goes around the globe
-  [[nodiscard]] GridRect region(const Rectangle& rectangle) const;
+  [[nodiscard]] PlacedRectangle region(const Rectangle& rectangle) const;
 
-  /// Whether a rectangle reaches farther than the raster's outermost cells: region() leaves that out.
-  /// fails  as region
-  [[nodiscard]] bool is_cut(const Rectangle& rectangle) const;
-
-  /// The rectangle itself, where grid lines are whole numbers (within 10⁻⁶ of one it is on it), cut at the raster's
-  /// outermost samples: what an answer is clipped to.
-  /// fails  as region
-  [[nodiscard]] Frame frame(const Rectangle& rectangle) const;
-
-  /// The restricted quadtree of a region at a tolerance, its border constrained: every valid sample under
-  /// the surface lies within `tolerance` of it, every covered sample of the region lies under it, no
-  /// triangle leaves the region, and answers at one tolerance for regions that share a whole side, each at
-  /// least 16 cells deep across it, meet without a crack.
+  /// The restricted quadtree that answers a question. With a region and a tolerance alone: every valid sample under the
+  /// surface lies within the tolerance of it, every covered sample of the region lies under it, no triangle leaves the
+  /// region, and answers at one tolerance for regions that share a whole side, each at least 16 cells deep across it,
+  /// meet without a crack.
   ///
-  /// Without voids every sample is covered. Beside voids a sample is covered iff it is a corner of a valid
-  /// finest triangle: half a unit cell, cut along the diagonal that joins corners of even column + row, its
-  /// three corners data. A coarse triangle that mixes data and void is kept if its longest ground side times
-  /// Description::void_weight is within the tolerance; it may stand on void vertices, whose heights are those of
-  /// samples near them.
+  /// Without voids every sample is covered. Beside voids a sample is covered iff it is a corner of a valid finest
+  /// triangle: half a unit cell, cut along the diagonal that joins corners of even column + row, its three corners
+  /// data. A coarse triangle that mixes data and void is kept if its longest ground side times Description::void_weight
+  /// is within the tolerance; it may stand on void vertices, whose heights are those of samples near them.
   ///
-  /// region     within the extent
-  /// tolerance  metres, >= 0, infinity allowed; below what stored heights can keep (Description::lossy_metres and
-  ///            finest_tolerance) the answer is the finest there is, and its bound says so
-  /// returns    an empty quadtree's mesh has no triangles: only voids, or a region one sample wide
-  /// fails      invalid_argument; corrupt for a damaged page
-  /// cost       pages that hold something above the tolerance, their ancestors, and those on odd borders
-  /// source     [P98 §4, §10], design of the border: docs/architecture.md
-  [[nodiscard]] Answer range(GridRect region, Metres tolerance) const;
-
-  /// The same with another border, a tolerance that varies, levels or points that are asked for; see Question. The
-  /// quadtree of `cover` and `clip` holds what its triangles need beyond the region; triangulate() gives exactly the
-  /// triangles of the whole raster's answer that meet it.
+  /// A tolerance below what stored heights can keep (Description::lossy_metres and finest_tolerance) gives the finest
+  /// answer there is, and its bound says so. A field's answer holds every covered sample within its own tolerance: a
+  /// vertex is left out only if its error is within the least tolerance of its diamond. Two such answers need not meet.
+  /// The quadtree of Border::cover and clip holds what its triangles need beyond the region; triangulate() gives
+  /// exactly the triangles of the whole raster's answer that meet it. Answers with rounded heights meet
+  /// where kind, tolerance and quantum are the same. In a database that keeps the vertices of a tolerance only, answers
+  /// at that tolerance and below have the same vertices: an increment between two of them is empty.
   ///
-  /// A field's answer holds every covered sample within its own tolerance: a vertex is left out only if its error is
-  /// within the least tolerance of its diamond. Two such answers need not meet.
-  ///
-  /// fails  as range; invalid_argument: a point outside the region, a level below 0, a field or neighbours with another
-  ///        border than constrain, a neighbour of another database or state, or one that shares no side
-  /// cost   as range, and pages looked at twice unless nothing but a region and a tolerance is asked
+  /// returns  a quadtree whose mesh has no triangles where there are only voids, or the region is one sample wide
+  /// fails    invalid_argument: two things that do not go together (docs/questions.md); a region or a point outside; a
+  ///          tolerance or level below 0; `from` not above the tolerance; a neighbour of another database or state, or
+  ///          one that shares no side; a budget that the border exceeds; rounded heights at a tolerance of 0 or
+  ///          infinity, or with a quantum that lies farther from heights than the tolerance, or of which heights are
+  ///          more than 10¹⁵ multiples. unsupported: bounded (without a quantum) and fitted heights of a database that
+  ///          keeps the vertices of a tolerance only. cancelled, too_large: Question::stop and limits
+  /// cost     pages that hold something above the tolerance, their ancestors, and those on odd borders; an increment
+  ///          does not read what the border needs. Pages are looked at twice with a field, another border, a level,
+  ///          points or neighbours. Bounded heights without a quantum: 9 bytes a sample of the region and a few times
+  ///          the time; fitted ones 26 bytes and three to fourteen times; dense ones as exact at tolerance 0
+  /// source   [P98 §4, §10], design of the border: docs/architecture.md
   [[nodiscard]] Answer ask(const Question& question) const;
-
-  /// The same as range with heights that are multiples of a quantum, which a stream holds in fewer bits: every sample
-  /// is held against the surface with these heights, which is split only where one lies beyond the tolerance. Fewer
-  /// vertices than range mostly, for no vertex is there for its error's sake alone. Answers at one tolerance and
-  /// quantum meet as those of range do; increments go on from none of them.
-  ///
-  /// quantum  metres; 0: about the tolerance
-  /// fails    as range; invalid_argument: a tolerance of 0 or infinity, a quantum that lies farther from heights than
-  ///          the tolerance, or of which heights are more than 10¹⁵ multiples; unsupported: a database that keeps the
-  ///          vertices of a tolerance only
-  /// cost     memory: 9 bytes a sample of the region. Time: a few times that of range
-  [[nodiscard]] Answer bounded(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
-
-  /// The fewest vertices: heights move within the tolerance of the source's, to where most triangles can stay, and
-  /// every sample is held against them. On rough ground, at five height steps and more, 16 to 26 % fewer than range;
-  /// nothing goes on from them.
-  /// Answers at one tolerance and quantum meet as those of range do.
-  ///
-  /// quantum  metres that heights are multiples of; 0: half the tolerance. A smaller one mostly needs fewer vertices,
-  ///          and more bytes
-  /// fails    as bounded
-  /// cost     memory: 26 bytes a sample of the region. Time: three to fourteen times that of range
-  /// source   relaxation of linear inequalities: Agmon 1954, Motzkin and Schoenberg 1954
-  [[nodiscard]] Answer fitted(GridRect region, Metres tolerance, Metres quantum = Metres{0}) const;
-
-  /// The whole tolerance spent on rounding: of the samples only those are left out that lie exactly between others.
-  /// More vertices than any other answer, and where a mesh would need most samples anyway, that is up to some ten
-  /// height steps on rough ground, the fewest bytes.
-  ///
-  /// fails  as range; invalid_argument: a tolerance of 0 or infinity
-  /// cost   that of range at tolerance 0
-  [[nodiscard]] Answer dense(GridRect region, Metres tolerance) const;
-
-  /// range at the tolerance less what rounding to a quantum costs, rounded: more vertices, but nested, so that
-  /// increments of the same quantum go on from it.
-  /// fails  as range; invalid_argument: a quantum of 0, or as bounded
-  [[nodiscard]] Answer quantised(GridRect region, Metres tolerance, Metres quantum) const;
-  /// What such an answer lacks of a finer one.
-  /// fails  as increment and quantised
-  [[nodiscard]] Increment quantised_increment(GridRect region, Metres from, Metres to, Metres quantum) const;
 
   /// Several questions whose answers meet without a crack wherever two of the regions share a side or a part of one, at
   /// whatever tolerances and however thin they are: vertices there are shared, back and forth until none is missing.
   ///
   /// returns  answers in the order of the questions, none with anything unmatched but by neighbours of its own
-  /// fails    as ask; invalid_argument: another border than constrain
+  /// fails    as ask
   /// cost     that of ask for each question, and the vertices of all at once
   /// source   [P98 §9]
-  [[nodiscard]] std::vector<Answer> ask_together(std::span<const Question> patches) const;
+  [[nodiscard]] std::vector<Answer> ask_together(std::span<const Question> questions) const;
 
-  /// The smallest tolerance on the ladder of stored errors (engine/error/error_ladder.hpp) whose answer
-  /// with a constrained border fits a budget. Exact, and without trial: pages with the largest errors are counted
-  /// first, until no other can matter.
-  /// fails  invalid_argument: region as in range; a budget that the border alone exceeds, naming what it needs
-  /// cost   pages with errors above the result, the border's pages
-  [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget) const;
-  /// The same, and what it cost.
-  [[nodiscard]] Metres tolerance_for(GridRect region, const Budget& budget, QueryCost& cost) const;
-
-  /// What an answer at `from` lacks of the one at `to`, see Increment and merge. In a database that keeps the vertices
-  /// of a tolerance only, answers at that tolerance and below have the same vertices: between two of them it is empty.
-  ///
-  /// fails  invalid_argument: as range; `to` not below `from`. corrupt for a damaged page
-  /// cost   pages that hold something above `to`, and their ancestors; what the border needs is not read
-  [[nodiscard]] Increment increment(GridRect region, Metres from, Metres to) const;
-
-  /// The saturated errors of an answer's vertices, by rank, in metres; infinity for root corners. For Progression.
-  ///
-  /// fails  invalid_argument: vertices outside the extent; corrupt for a damaged page, or a vertex without one
-  /// cost   the pages with these vertices
-  [[nodiscard]] std::vector<double> errors(const RestrictedQuadtree& answer) const;
-
-  /// Of this state of the database.
-  [[nodiscard]] Identity identity() const;
-
-  /// Range query and triangulation in one: the whole raster, or what a rectangle covers.
+  /// The mesh of the whole raster, or of what a rectangle covers: ask() and triangulate() in one.
   [[nodiscard]] Mesh mesh(Metres tolerance) const;
   [[nodiscard]] Mesh mesh(const Rectangle& rectangle, Metres tolerance) const;
 
-  /// The height at a point in the vertical unit, bilinear between the four samples around it. Samples are pixel
-  /// centres. A point on a line of samples, or within 10⁻⁶ cell of one, needs only the two on either side along the
-  /// line; one on a sample needs that sample, and gets its height bit for bit.
-  /// returns  nothing where a sample that is needed is void or outside the extent, or a coordinate is no number
-  /// fails    unsupported: a database that keeps the vertices of a tolerance only; corrupt
-  [[nodiscard]] std::optional<double> height(double x, double y) const;
-  /// The height of a surface: that of the whole extent's answer at a tolerance, as range() of the extent gives it. So
-  /// this is what a mesh shows there, and within the tolerance of covered samples.
-  /// tolerance  as of range(); any database has surfaces
-  /// returns    nothing where no triangle is: outside the extent, beside data
-  /// fails      invalid_argument: the tolerance; corrupt
-  /// cost       a few pages, and for the first of a snapshot the border's vertices, in proportion to the extent's sides
-  [[nodiscard]] std::optional<double> height(double x, double y, Metres tolerance) const;
+  /// The height at a point in the vertical unit. Without a tolerance it is bilinear between the four samples around the
+  /// point. Samples are pixel centres. A point on a line of samples, or within 10⁻⁶ cell of one, needs only the two on
+  /// either side along the line; one on a sample needs that sample, and gets its height bit for bit.
+  ///
+  /// surface  a tolerance: the height is that of the surface that ask() gives for the whole raster at it. So this is
+  ///          what a mesh shows there, and within the tolerance of covered samples. Any database has surfaces
+  /// returns  nothing where a sample that is needed is void, where no triangle of the surface is, outside the extent,
+  ///          or where a coordinate is not a finite number
+  /// fails    unsupported: without a tolerance, a database that keeps the vertices of a tolerance only;
+  ///          invalid_argument: the tolerance
+  /// cost     a few pages, and for the first surface of a snapshot the border's vertices, in proportion to the extent's
+  ///          sides
+  [[nodiscard]] std::optional<double> height(double x, double y, std::optional<Metres> surface = {}) const;
   /// Many points at once, answers in their order: each page is decoded once, however the points are strewn.
-  /// out    of the size of `points`
-  /// fails  as above; invalid_argument: of another size
+  /// out    as many places as there are points
+  /// fails  as height; invalid_argument: another number of places
   /// cost   where the pages are decoded half a microsecond a point, one to two on a surface
-  QueryCost heights(std::span<const Position> points, std::span<std::optional<double>> out) const;
-  QueryCost heights(std::span<const Position> points, Metres tolerance, std::span<std::optional<double>> out) const;
-  /// Whether a point lies among the samples, on the outermost ones included: beyond no question has an answer.
-  [[nodiscard]] bool is_inside(Position point) const;
+  QueryCost heights(std::span<const Position> points, std::span<std::optional<double>> out,
+                    std::optional<Metres> surface = {}) const;
 
   /// The height along a line through two or more points, straight between them in CRS coordinates. Half of the
   /// tolerance goes to the surface whose every triangle under the line is cut, and what its bound leaves of the whole
   /// to leaving out vertices of that cut, so that the profile is within the tolerance of covered samples on the line.
   /// The line's points and the ends of parts stay. It ends and begins anew where no triangle is: beside data, outside
   /// the extent; where it touches a triangle in one point it has no part.
-  /// fails  invalid_argument: fewer than two points, all at one place, a coordinate that is no finite number, the
-  ///        tolerance; corrupt
+  /// fails  invalid_argument: fewer than two points, all at one place, a coordinate that is not a finite number, the
+  ///        tolerance
   /// cost   the pages along the line, in proportion to the triangles under it; the first also as height()
   [[nodiscard]] Profile profile(std::span<const Position> line, Metres tolerance) const;
 
@@ -244,32 +189,52 @@ class Snapshot {
   std::unique_ptr<View> view_;
 };
 
+/// The saturated errors of an answer's vertices, by rank, in metres; infinity for root corners. For Progression.
+///
+/// fails  invalid_argument: vertices outside the extent; corrupt for a damaged page, or a vertex without one
+/// cost   the pages with these vertices
+[[nodiscard]] std::vector<double> errors_of(const Snapshot& now, const RestrictedQuadtree& answer);
+
+/// Whether a point lies among the samples, on the outermost ones included: no question has an answer beyond.
+[[nodiscard]] bool is_inside(const Snapshot& now, Position point);
+
 struct OpenOptions {
-  /// Of decoded pages that are kept for the next question, at 14 to 20 bytes a sample. 0: none is.
+  /// Most bytes of decoded pages that are kept for the next question, at 14 to 20 bytes a sample. 0: none is kept.
   std::uint64_t cache_bytes = std::uint64_t{64} << 20;
-  /// For one question about a million samples or more, if it asks for nothing but a region and a tolerance; 0: all the
-  /// machine has. Answers do not depend on it.
-  int threads = 1;
+  /// Threads of a question that does not say how many; 0: one a core. Answers do not depend on it.
+  int threads = 0;
 };
 
 /// An open database file. Copies share one environment and one cache; a file is opened once per process.
+///
+/// A database file is never changed in place: update() and compact() write a new file and give it the name in one step.
+/// Who has opened the old file keeps it, with its snapshots and those made later: every answer comes from the state
+/// that was opened, even after the name has gone to another file or to none. is_current() says whether the name still
+/// leads there; reopen() opens what it leads to now. The system frees the old file when the last Database, copy or
+/// Snapshot of it is gone. Another program that writes into the file or cuts it short breaks this: questions then fail
+/// with corrupt or io.
+///
+/// Threads: all may be called from several threads at once; a Database object that one thread assigns to is the
+/// exception.
 class Database {
  public:
-  /// fails  not_found; corrupt: not a database or a damaged header; unsupported: another version
+  /// fails  not_found; corrupt: not a database or a damaged header; unsupported: another version; out_of_memory
   [[nodiscard]] static Database open(const std::filesystem::path& file, const OpenOptions& options = {});
   [[nodiscard]] Snapshot snapshot() const;
+
+  /// Whether the file that has the name now is the one that is open. False if there is none.
+  /// cost  one look at the name
+  [[nodiscard]] bool is_current() const;
+  /// What has the name now, opened with the same options; the same as a copy where that is still the file that is open.
+  /// This one, its copies and their snapshots keep what they see.
+  /// fails  as open
+  [[nodiscard]] Database reopen() const;
 
  private:
   struct Opened;
   explicit Database(std::shared_ptr<Opened> opened);
   std::shared_ptr<Opened> opened_;
 };
-
-/// The unique conforming triangulation of a quadtree, without recursion. Linear time. [P98 §3]
-///
-/// threads  for large quadtrees; 0: all the machine has. The mesh does not depend on it
-/// fails    corrupt: vertices that are not closed under their parents, as damaged errors select
-[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 1);
 
 /// A mesh cut at a frame; heights along the cuts are those of its edges, so its bound holds. Meshes of one answer that
 /// are cut at frames that share a whole side meet there without a crack.
@@ -305,7 +270,7 @@ struct VerifyReport {
   std::optional<Metres> true_error;  ///< of the answer, along the vertical, by brute force, if a tolerance was given
   std::optional<Metres> perpendicular_error;  ///< the same at right angles, of a database with that metric
   std::uint64_t vertices = 0, triangles = 0;
-  std::uint64_t covered_samples = 0, uncovered_samples = 0;  ///< see Snapshot::range; none may be uncovered
+  std::uint64_t covered_samples = 0, uncovered_samples = 0;  ///< see Snapshot::ask; none may be uncovered
   std::uint64_t stray_samples = 0;  ///< valid, in no valid finest triangle, and under no triangle
 };
 

@@ -91,8 +91,17 @@ struct SourceFile {
   std::uint64_t bytes = 0, checksum = 0;  ///< of the file: size and XXH3 of 64 bits
 };
 
+/// Which database, and which state of it. Two files with one identity were made of the same inputs with the same
+/// options, so that they give the same answers.
+struct Identity {
+  std::uint64_t content = 0;     ///< XXH3 over manifest and provenance, which hold the inputs' checksums; 0: not known
+  std::uint32_t generation = 0;  ///< updates so far
+  friend bool operator==(const Identity&, const Identity&) = default;
+};
+
 /// How a database came about.
 struct Provenance {
+  Identity identity;                ///< the state that was read; not part of what is stored
   std::vector<SourceFile> sources;  ///< in the order in which they were laid
   std::string made_by;              ///< program, version and options that matter to the content
   std::uint32_t generation = 0;     ///< updates so far

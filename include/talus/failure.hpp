@@ -2,6 +2,7 @@
 // The one type Talus throws.
 
 #include <filesystem>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -17,6 +18,9 @@ enum class Cause : int {
   unsupported = 4,       ///< another version, or an input Talus does not take
   full = 5,              ///< the disk is full
   io = 6,                ///< reading or writing failed
+  cancelled = 7,         ///< the caller's std::stop_token asked for the end
+  too_large = 8,         ///< the answer needs more than the caller's limits allow, see Limits
+  out_of_memory = 9,     ///< the system has no memory left to give
 };
 
 [[nodiscard]] std::string_view to_string(Cause cause);
@@ -46,6 +50,18 @@ decltype(auto) blaming(const std::filesystem::path& file, Work&& work) {
   } catch (const Failure& failure) {
     if (!failure.file().empty()) throw;
     throw Failure(failure.cause(), failure.what(), file);
+  }
+}
+
+/// work() at a public door: where the system has no memory left, the caller gets a Failure with Cause::out_of_memory.
+template <class Work>
+decltype(auto) within_memory(Work&& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw Failure(Cause::out_of_memory, "out of memory");
+  } catch (const std::length_error&) {  // more than a container can ever hold
+    throw Failure(Cause::out_of_memory, "out of memory");
   }
 }
 

@@ -17,7 +17,7 @@ struct Increment {
   QueryCost cost;  ///< of asking; no part of its serialised form
 };
 
-/// The answer at the increment's tolerance, bit for bit as Snapshot::range gives it: vertices, heights, covers,
+/// The answer at the increment's tolerance, bit for bit as Snapshot::ask gives it: vertices, heights, covers,
 /// tolerance, bound and origin. Chains of any length come out the same.
 ///
 /// answer      at the tolerance that the increment goes on from, of the same region and the same state of the same

@@ -54,7 +54,7 @@ struct InputOptions {
   std::string resampling;
   std::optional<Grid> grid;          ///< or to this one
   bool priority_resolution = false;  ///< where inputs overlap the one with smaller cells wins, not the later one
-  double height_step = 0;            ///< round heights to multiples of so many metres; 0: keep them
+  Metres height_step{0};             ///< heights become multiples of this; 0: they stay as they are
 };
 
 struct IngestProgress {
@@ -71,13 +71,13 @@ struct IngestOptions {
   bool overwrite = false;    ///< replace an existing database; without it one that exists is a failure
   bool resume = false;       ///< go on with what an interrupted ingest of the same inputs and options left
   double void_weight = 1.0;  ///< metres of error per metre of ground side where a triangle mixes data and void
-  /// Keep only the vertices that an answer at this tolerance, in metres, selects: no answer will be finer, and samples
-  /// are not restored. 0: keep all.
-  double finest_tolerance = 0;
+  /// Keep only the vertices that an answer at this tolerance selects: no answer will be finer, and samples are not
+  /// restored. 0: keep all.
+  Metres finest_tolerance{0};
   ErrorKind error_kind = ErrorKind::exact;
   ErrorMetric error_metric = ErrorMetric::vertical;  ///< perpendicular goes with exact and midpoint
   bool no_guarantee = false;  ///< said by who wants ErrorKind::midpoint: no answer of the database keeps a bound
-  unsigned threads = 0;       ///< 0: one a core. The pages are the same for any number.
+  int threads = 0;            ///< 0: one a core. The pages are the same for any number.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The pages are the same.
   InputOptions inputs = {};
   /// Told now and then; may throw to end the work, which can then be resumed.
@@ -111,7 +111,7 @@ struct IngestEstimate {
   std::uint64_t tiles = 0;             ///< to settle
   std::uint64_t bytes = 0;             ///< of the database, about
   double seconds = 0;                  ///< about
-  unsigned threads = 1;                ///< that memory allows
+  int threads = 1;                     ///< as many as memory allows
   std::optional<UpdateChange> change;  ///< of an update
   std::vector<std::string> notes;
 };
@@ -172,7 +172,7 @@ CompactReport compact(const std::filesystem::path& database);
 /// The file in which an ingest or an update of a database works, and which an interrupted ingest leaves.
 [[nodiscard]] std::filesystem::path unfinished_file(const std::filesystem::path& database);
 
-/// Inputs opened for comparison: the same samples `ingest` would take.
+/// Inputs opened for comparison: the same samples `ingest` would take. Threads: one at a time.
 ///
 /// inputs  raster files, folders of them, and "@list.txt", which names one a line
 /// fails   as ingest does for its inputs

@@ -15,11 +15,11 @@ namespace talus {
 /// first steps are a restricted quadtree, and their bound is what its triangles keep.
 ///
 /// The first steps of what an increment adds are an increment, too, by which the answer becomes such a quadtree;
-/// nothing more can be merged into it.
+/// nothing more can be merged into it. Threads: several may look at one at once.
 class Progression {
  public:
   /// answer   its border constrained; it may go afterwards. Or what an increment adds.
-  /// errors   by rank, see Snapshot::errors: orders the vertices of a step, the largest error first, and parents before
+  /// errors   by rank, see errors_of: orders the vertices of a step, the largest error first, and parents before
   ///          their children, so that a quadtree may end anywhere in a step. Empty: row by row.
   /// fails    invalid_argument: another border, whose answers have no coarser ones in them; another number of errors
   explicit Progression(const RestrictedQuadtree& answer, std::span<const double> errors = {});

@@ -6,16 +6,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "talus/array.hpp"
-#include "talus/question.hpp"
+#include "talus/description.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
 
 /// A set of grid points inside a rectangle: one bit a sample, row by row, and, once sealed, the rank
-/// of each member in that order. The ranks are the vertex numbers of an answer.
+/// of each member in that order. The ranks are the vertex numbers of an answer. Threads: several may look, one change.
 class VertexMask {
  public:
   VertexMask() = default;
@@ -86,12 +87,11 @@ class VertexMask {
   std::vector<std::uint32_t> before_;
 };
 
-/// Which database, and which state of it. Two files with one identity were made of the same inputs with the same
-/// options, so that they give the same answers.
-struct Identity {
-  std::uint64_t content = 0;     ///< XXH3 over manifest and provenance, which hold the inputs' checksums; 0: not known
-  std::uint32_t generation = 0;  ///< updates so far
-  friend bool operator==(const Identity&, const Identity&) = default;
+/// Where an answer ends.
+enum class Border {
+  constrain,  ///< at the region's sides, which are mesh edges: answers at one tolerance meet there
+  cover,      ///< behind it: all triangles of the whole raster's answer that meet the region, as they are
+  clip        ///< those triangles, cut at the rectangle as it was asked for (see clip_mesh)
 };
 
 /// Where an answer comes from, and how its vertices were chosen.
@@ -137,7 +137,7 @@ struct Frame {
   double west{}, north{}, east{}, south{};
 };
 
-/// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::range.
+/// An indexed triangle mesh over grid points. Beside voids a point may be one: see Snapshot::ask.
 struct Mesh {
   GridRect region;                                ///< the outermost sample positions answered
   Array<GridPoint> points;                        ///< each used by at least one triangle
@@ -151,5 +151,19 @@ struct Mesh {
                              : cuts[i - points.size()];
   }
 };
+
+/// The triangles of a quadtree: no other triangulation fits its vertices, and it has no crack. A triangle is in the
+/// mesh iff the vertex at its right angle is there and the midpoint of its longest side is not; so each vertex gives
+/// those of its four triangles whose midpoint is absent. Vertex numbers are ranks in the mask. Triangles without data,
+/// triangles that do not meet the region, and points that no triangle uses are left out.
+///
+/// threads  for large quadtrees; 0: one a core. The mesh does not depend on it
+/// stop     ends the work within some rows
+/// returns  triangles counter-clockwise seen from above (columns east, rows south)
+/// fails    corrupt: vertices that are not closed under their parents, as damaged errors select; cancelled;
+///          out_of_memory
+/// cost     linear in vertices and triangles
+/// source   [P98 §3]; without recursion: docs/architecture.md
+[[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 0, const std::stop_token& stop = {});
 
 }  // namespace talus

@@ -32,7 +32,9 @@ struct Difference {
 /// fails   invalid_argument: a client that has something else
 [[nodiscard]] RestrictedQuadtree apply(const RestrictedQuadtree& client, const Difference& difference);
 
-/// Remembers what one client has. Not to be asked from several threads at once.
+/// Remembers what one client has.
+///
+/// Threads: one at a time.
 ///
 /// Memory between questions: twelve bytes for each 64 samples in a row of the region, see `bytes`. A session
 /// whose client has more than it may remember forgets all of it, which the difference says; nothing fails. During a
@@ -45,7 +47,7 @@ class Session {
   /// What the client lacks of an answer. A tolerance that falls in one region costs what its increment costs; anything
   /// else what the answer costs, of which only what is new is handed out. A client of another state of the database, or
   /// of another database, starts over.
-  /// fails  as Snapshot::range; the client then has what it had
+  /// fails  as Snapshot::ask; the client then has what it had
   [[nodiscard]] Difference next(const Snapshot& now, GridRect region, Metres tolerance);
 
   /// The client lost what it had.

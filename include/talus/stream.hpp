@@ -31,7 +31,7 @@ enum class StreamProfile {
 
 struct StreamOptions {
   StreamProfile profile = StreamProfile::balanced;
-  int threads = 1;  ///< 0: one a core. Changes nothing but the time
+  int threads = 0;  ///< 0: one a core. Changes nothing but the time
   /// Each level is cut into as many bands, which several threads can read at once; a band costs some bytes. 0: one for
   /// each 65,536 vertices.
   int bands = 0;
@@ -64,14 +64,14 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
 /// fails    not_found, io; corrupt, with the byte where it shows; unsupported: another version, or more than the limits
 ///          allow; invalid_argument: an increment without the answer that it goes on from
 [[nodiscard]] Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits = {},
-                                 const RestrictedQuadtree* base = nullptr, int threads = 1);
+                                 const RestrictedQuadtree* base = nullptr, int threads = 0);
 
 /// Reads a stream as it arrives. Once a part is whole, what has come so far is of an answer a restricted quadtree with
-/// the bound that part states.
+/// the bound that part states. Threads: one at a time.
 class StreamDecoder {
  public:
   /// base  must stay
-  explicit StreamDecoder(const StreamLimits& limits = {}, const RestrictedQuadtree* base = nullptr, int threads = 1);
+  explicit StreamDecoder(const StreamLimits& limits = {}, const RestrictedQuadtree* base = nullptr, int threads = 0);
   ~StreamDecoder();
   StreamDecoder(const StreamDecoder&) = delete;
   StreamDecoder& operator=(const StreamDecoder&) = delete;

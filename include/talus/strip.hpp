@@ -104,7 +104,7 @@ struct StripSizes {
 /// threads  decode different sub-strips; 0: one a core. Changes nothing but the time
 /// fails    corrupt, with the byte where it shows; unsupported: another version, or more triangles than the limit
 /// cost     linear in triangles; memory about 30 bytes a triangle, and 60 at worst
-[[nodiscard]] Mesh decode_strip(std::span<const std::byte> bytes, int threads = 1,
+[[nodiscard]] Mesh decode_strip(std::span<const std::byte> bytes, int threads = 0,
                                 std::uint64_t limit = std::uint64_t{1} << 30);
 
 /// What the header says, its checksum and all sizes checked.

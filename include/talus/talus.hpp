@@ -7,8 +7,9 @@
 //   auto mesh = now.mesh({7.5, 45.9, 7.8, 46.1}, talus::Metres{2});   // every sample within 2 m of it
 //   talus::write_mesh(mesh, now.description(), "matterhorn.ply");
 //
-// Six verbs: ingest, open, snapshot, range, triangulate, verify. Each of their headers says shapes,
-// units, failures and cost; docs/architecture.md shows the way of the data through the folders.
+// The verbs: ingest, open, snapshot; then ask (with a Question), mesh, height, heights, profile, samples; and
+// triangulate, write_mesh, verify. Each of their headers says shapes, units, failures and cost; docs/architecture.md
+// shows the way of the data through the folders.
 
 #include "talus/ingest.hpp"
 #include "talus/raster_output.hpp"

@@ -117,12 +117,12 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
   const auto all_have = [&](const HeightStep& step) {
     return std::all_of(rasters.begin(), rasters.end(), [&](const RasterFacts& r) { return has_step(r, step); });
   };
-  if (options.height_step != 0) {
+  if (options.height_step.value != 0) {
     types.rule = RasterCoding::Rule::rounded;
-    types.step = forced_step(options.height_step, first.metres_per_unit);
+    types.step = forced_step(options.height_step.value, first.metres_per_unit);
     const bool all_bare = std::all_of(rasters.begin(), rasters.end(), is_bare);
-    if (options.height_step < 1 || !all_bare) types.width = std::max(types.width, Width::float32);
-    if (!all_bare || kLargestHeight / options.height_step > double{1 << 24}) types.width = Width::float64;
+    if (options.height_step.value < 1 || !all_bare) types.width = std::max(types.width, Width::float32);
+    if (!all_bare || kLargestHeight / options.height_step.value > double{1 << 24}) types.width = Width::float64;
   } else if (wanted ? wanted->integer && all_have(*wanted) : all_have(of_first)) {
     types.step = wanted.value_or(of_first);
   } else {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/geo/ground.hpp"
+#include "engine/machine/parallel.hpp"
 #include "engine/tile/coarse_levels.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/work/thread_pool.hpp"
@@ -253,7 +254,7 @@ void require_sense(const IngestOptions& options) {
         "nested errors are sums along the vertical, which bound no perpendicular distance: the perpendicular metric "
         "goes with exact errors, or with midpoint ones, which bound nothing");
   }
-  if (options.finest_tolerance > 0 &&
+  if (options.finest_tolerance.value > 0 &&
       (options.error_kind == ErrorKind::midpoint || options.error_metric == ErrorMetric::perpendicular)) {
     throw Failure(
         Cause::invalid_argument,
@@ -261,14 +262,15 @@ void require_sense(const IngestOptions& options) {
         "along the vertical");
   }
   const double coarsest = 1e6;
-  if (!(options.finest_tolerance >= 0) || options.finest_tolerance > coarsest) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("finest tolerance {} m: expected metres, 0 to {}", options.finest_tolerance, coarsest));
+  if (!(options.finest_tolerance.value >= 0) || options.finest_tolerance.value > coarsest) {
+    throw Failure(Cause::invalid_argument, fmt::format("finest tolerance {} m: expected metres, 0 to {}",
+                                                       options.finest_tolerance.value, coarsest));
   }
-  if (options.finest_tolerance > 0 && options.finest_tolerance <= options.inputs.height_step / 2) {
+  if (options.finest_tolerance.value > 0 && options.finest_tolerance.value <= options.inputs.height_step.value / 2) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("finest tolerance {} m: heights rounded to {} m lie up to {} m off; ask for more",
-                              options.finest_tolerance, options.inputs.height_step, options.inputs.height_step / 2));
+                              options.finest_tolerance.value, options.inputs.height_step.value,
+                              options.inputs.height_step.value / 2));
   }
 }
 
@@ -292,7 +294,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   job.making = {d.extent,       d.step,
                 job.distance,   band_count(d.extent),
                 d.kept_above(), [](PageKey, std::span<const std::byte>) { return 0u; }};
-  job.budget = budget_for(options.memory_bytes, options.threads, d.extent, bytes_a_code, block_bytes);
+  job.budget = budget_for(options.memory_bytes, threads_or_all(options.threads), d.extent, bytes_a_code, block_bytes);
   return job;
 }
 
@@ -301,7 +303,7 @@ void tell_of(const Job& job, const char* stage) { ProgressReporter(job, 0).begin
 IngestEstimate estimate(const Job& job, const Source& source, const std::function<bool(TileId)>& is_wanted) {
   IngestEstimate sum;
   sum.description = job.description;
-  sum.threads = job.budget.threads;
+  sum.threads = static_cast<int>(job.budget.threads);
   std::vector<TileId> tiles;
   for (const Panel& panel : panels_of(job.description.extent, 1)) {
     for (const TileId id : panel.tiles) {

@@ -1,10 +1,10 @@
 #include "ingest/work/memory_plan.hpp"
 
 #include <algorithm>
-#include <thread>
 
 #include <fmt/format.h>
 
+#include "engine/machine/parallel.hpp"
 #include "ingest/work/panels.hpp"
 #include "talus/failure.hpp"
 
@@ -23,10 +23,9 @@ std::uint64_t coarse_bytes(GridRect extent) {
 
 }  // namespace
 
-WorkingMemory budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect extent, std::size_t bytes_a_code,
+WorkingMemory budget_for(std::uint64_t memory_bytes, int threads, GridRect extent, std::size_t bytes_a_code,
                          std::uint64_t block_bytes) {
   WorkingMemory budget;
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   budget.gdal_cache_bytes = std::clamp(memory_bytes / 8, 16 * kMiB, 256 * kMiB);
   // One panel is worked on, the next is read, and what the two share is copied.
   const auto needed = [&](unsigned crew, std::int32_t across) {
@@ -47,7 +46,7 @@ WorkingMemory budget_for(std::uint64_t memory_bytes, unsigned threads, GridRect 
                   fmt::format("a limit of {} bytes of memory: {} × {} samples need {} MiB at least", memory_bytes,
                               extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
   }
-  budget.threads = threads;
+  budget.threads = static_cast<unsigned>(threads_or_all(threads));
   while (budget.threads > 1 && needed(budget.threads, 1) > memory_bytes) --budget.threads;
   const GridRect tiles = tiles_of(extent);
   const auto all = static_cast<std::int32_t>(tiles.cols());

@@ -18,8 +18,8 @@ namespace {
 std::string typed(const IngestOptions& options) {
   const InputOptions& in = options.inputs;
   std::string text;
-  if (options.finest_tolerance != 0)
-    text += fmt::format(", IngestOptions::finest_tolerance {}", options.finest_tolerance);
+  if (options.finest_tolerance.value != 0)
+    text += fmt::format(", IngestOptions::finest_tolerance {}", options.finest_tolerance.value);
   if (options.error_kind != ErrorKind::exact)
     text += fmt::format(", IngestOptions::error_kind {}", name_of(options.error_kind));
   if (options.error_metric != ErrorMetric::vertical)
@@ -36,7 +36,7 @@ std::string typed(const IngestOptions& options) {
   if (!in.target_srs.empty()) text += fmt::format(", InputOptions::target_srs {}", in.target_srs);
   if (in.target_dx != 0) text += fmt::format(", InputOptions::target_dx {},{}", in.target_dx, in.target_dy);
   if (!in.resampling.empty()) text += fmt::format(", InputOptions::resampling {}", in.resampling);
-  if (in.height_step != 0) text += fmt::format(", InputOptions::height_step {}", in.height_step);
+  if (in.height_step.value != 0) text += fmt::format(", InputOptions::height_step {}", in.height_step.value);
   return text;
 }
 

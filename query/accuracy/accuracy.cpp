@@ -175,7 +175,8 @@ class Study {
 
   [[nodiscard]] std::uint64_t vertices_at(const Snapshot& now, Metres tolerance) const {
     std::uint64_t vertices = 0;
-    for (const GridRect& window : report.windows) vertices += now.range(window, tolerance).quadtree.vertices.size();
+    for (const GridRect& window : report.windows)
+      vertices += now.ask({.region = window, .tolerance = tolerance}).quadtree.vertices.size();
     return vertices;
   }
 
@@ -201,7 +202,7 @@ class Study {
     std::uint64_t finest = 0;
     double largest = 0;
     for (const GridRect& window : report.windows) {
-      const RestrictedQuadtree all = now.range(window, Metres{0}).quadtree;
+      const RestrictedQuadtree all = now.ask({.region = window, .tolerance = Metres{0}}).quadtree;
       finest += all.vertices.size();
       for (const double error : all.level_errors) {
         if (std::isfinite(error)) largest = std::max(largest, error);
@@ -248,7 +249,7 @@ class Study {
   /// What time an answer's mesh takes.
   Mesh timed_answer(const Snapshot& now, GridRect window, Metres tolerance, Answer& answer, double& seconds) const {
     const Stopwatch stopwatch(seconds);
-    answer = now.range(window, tolerance);
+    answer = now.ask({.region = window, .tolerance = tolerance});
     return triangulate(answer.quadtree, options_.threads);
   }
 
@@ -329,7 +330,7 @@ class Study {
     std::vector<Rounds> rounds(points.size());
     const Snapshot now = open().snapshot();
     for (const GridRect& window : report.windows)
-      static_cast<void>(now.range(window, points.back()->tolerance));  // into memory
+      static_cast<void>(now.ask({.region = window, .tolerance = points.back()->tolerance}));  // into memory
     double seconds = 0;
     for (int round = 0; round < kLeastRounds || (round < kMostRounds && seconds < kRoundsSeconds); ++round) {
       const Stopwatch stopwatch(seconds);
@@ -411,7 +412,8 @@ class Study {
     const Ground ground(description_.crs);
     for (std::size_t w = 0; w < report.windows.size(); ++w) {
       tell("drawing maps");
-      const Mesh mesh = triangulate(now.range(report.windows[w], report.map_tolerance).quadtree, options_.threads);
+      const Mesh mesh = triangulate(now.ask({.region = report.windows[w], .tolerance = report.map_tolerance}).quadtree,
+                                    options_.threads);
       report.maps.push_back(map_of(mesh, w, ground));
     }
   }
@@ -470,9 +472,11 @@ class Study {
 }  // namespace
 
 AccuracyReport measure_accuracy(const std::filesystem::path& database, const AccuracyOptions& options) {
-  Study study(database, options);
-  study.measure_all();
-  return std::move(study.report);
+  return within_memory([&] {
+    Study study(database, options);
+    study.measure_all();
+    return std::move(study.report);
+  });
 }
 
 }  // namespace talus

@@ -83,7 +83,9 @@ Metres terrain_of(const Snapshot& now) {
 
 AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named, std::optional<std::int32_t> side) {
   const auto has_triangles = [&](GridRect part) {
-    return !triangulate(now.range(part, Metres{std::numeric_limits<double>::infinity()}).quadtree).triangles.empty();
+    return !triangulate(
+                now.ask({.region = part, .tolerance = Metres{std::numeric_limits<double>::infinity()}}).quadtree)
+                .triangles.empty();
   };
   const auto nothing = [&] {
     const char* why = region.cols() == 1 || region.rows() == 1 ? "it is one sample wide or high"
@@ -105,7 +107,7 @@ AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named, std
   asked.terrain = terrain_of(now);
   std::vector<GridRect> with_terrain, with_data;
   for (const GridRect& place : places) {
-    const Answer answer = now.range(place, asked.terrain);
+    const Answer answer = now.ask({.region = place, .tolerance = asked.terrain});
     const std::uint64_t needed = answer.quadtree.vertices.size() - answer.border_vertices;
     if (needed > 4 + static_cast<std::uint64_t>(place.samples() / kFlatSamples)) with_terrain.push_back(place);
   }

@@ -9,6 +9,8 @@
 
 #include "engine/error/height_field.hpp"
 #include "query/bounded/splitter.hpp"
+#include "query/selection/range_query.hpp"
+#include "query/selection/refusals.hpp"
 
 namespace talus {
 namespace {
@@ -67,10 +69,20 @@ void round_heights(RestrictedQuadtree& q, const Description& d, Metres quantum) 
   q.origin.quantum = quantum;
 }
 
-Answer rounded_range(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
-  const Description& d = now.description();
-  Answer answer = now.range(region, Metres{tolerance.value - rounding_of(d, quantum)});
-  answer.quadtree.tolerance = tolerance;
+Answer rounded_range(const RoundedQuestion& q, Metres quantum) {
+  const Description& d = q.pages.manifest().description;
+  const double off = rounding_of(d, quantum);
+  std::optional<Metres> from;
+  if (q.from) from = Metres{q.from->value - off};
+  const Metres to{q.tolerance.value - off};
+  if (from) {
+    require_tolerance(*from);
+    require_tolerance(to);
+    require_finer(*from, to);
+  }
+  Answer answer = range_query(q.pages, q.region, to, q.threads, from, q.watch);
+  answer.from = q.from;
+  answer.quadtree.tolerance = q.tolerance;
   round_heights(answer.quadtree, d, quantum);
   return answer;
 }
@@ -113,54 +125,54 @@ Metres dense_quantum(const Description& d, Metres tolerance) {
   return Metres{(2 * std::floor(left / step_metres(d)) + 1) * step_metres(d)};
 }
 
-Answer quantised_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
-  require_quantum(now.description(), tolerance, quantum);
-  return rounded_range(now, region, tolerance, quantum);
+namespace {
+
+/// The exact answer at the tolerance less the rounding, rounded: increments of the same quantum go on from it, and it
+/// is what they hold.
+Answer nested(const RoundedQuestion& q, Metres quantum) {
+  require_quantum(q.pages.manifest().description, q.tolerance, quantum);
+  return rounded_range(q, quantum);
 }
 
-Increment quantised_increment(const Snapshot& now, GridRect region, Metres from, Metres to, Metres quantum) {
-  const Description& d = now.description();
-  require_quantum(d, to, quantum);
-  const double off = rounding_of(d, quantum);
-  Increment increment = now.increment(region, Metres{from.value - off}, Metres{to.value - off});
-  increment.from = from;
-  increment.added.tolerance = to;
-  round_heights(increment.added, d, quantum);
-  return increment;
+Answer dense(const RoundedQuestion& q) {
+  const Description& d = q.pages.manifest().description;
+  if (q.tolerance.value == 0 || !std::isfinite(q.tolerance.value))
+    refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", q.tolerance.value));
+  const Metres quantum = dense_quantum(d, q.tolerance);
+  if (!(quantum.value > 0)) return range_query(q.pages, q.region, q.tolerance, q.threads, {}, q.watch);
+  require_quantum(d, quantum);
+  return rounded_range(q, quantum);
 }
 
-Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance) {
-  if (tolerance.value == 0 || !std::isfinite(tolerance.value))
-    refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", tolerance.value));
-  const Metres quantum = dense_quantum(now.description(), tolerance);
-  if (!(quantum.value > 0)) return now.range(region, tolerance);
-  require_quantum(now.description(), quantum);
-  return rounded_range(now, region, tolerance, quantum);
-}
-
-Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
-  const Description& d = now.description();
-  if (quantum.value == 0) quantum = quantum_for(d, tolerance);
-  require_some_tolerance(d, tolerance, "bounded");
-  require_quantum(d, tolerance, quantum);
-  Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::rounded);
-  RestrictedQuadtree& q = answer.quadtree;
-  if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return rounded_range(now, region, tolerance, quantum);
-  finish(q, tolerance, quantum, rounding_of(d, quantum));
+Answer bounded(const RoundedQuestion& q, Metres quantum) {
+  const Description& d = q.pages.manifest().description;
+  require_some_tolerance(d, q.tolerance, "bounded");
+  require_quantum(d, q.tolerance, quantum);
+  Answer answer = split_answer(q, quantum, SplitHeights::rounded);
+  if (!(answer.quadtree.bound.value <= q.tolerance.value + 2 * kRoundingMargin)) return rounded_range(q, quantum);
+  finish(answer.quadtree, q.tolerance, quantum, rounding_of(d, quantum));
   return answer;
 }
 
-Answer fitted_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum) {
-  const Description& d = now.description();
-  require_some_tolerance(d, tolerance, "fitted");
+Answer fitted(const RoundedQuestion& q, Metres quantum) {
+  const Description& d = q.pages.manifest().description;
+  require_some_tolerance(d, q.tolerance, "fitted");
   // A finer quantum needs fewer vertices and more bits for each: see docs/accuracy.md.
-  if (quantum.value == 0) quantum = Metres{(tolerance.value - d.lossy_metres) / 2};
-  require_quantum(d, tolerance, quantum);
-  Answer answer = split_answer(now, region, tolerance, quantum, SplitHeights::fitted);
-  RestrictedQuadtree& q = answer.quadtree;
-  if (!(q.bound.value <= tolerance.value + 2 * kRoundingMargin)) return bounded_answer(now, region, tolerance, quantum);
-  finish(q, tolerance, quantum, tolerance.value);
+  if (quantum.value == 0) quantum = Metres{(q.tolerance.value - d.lossy_metres) / 2};
+  require_quantum(d, q.tolerance, quantum);
+  Answer answer = split_answer(q, quantum, SplitHeights::fitted);
+  if (!(answer.quadtree.bound.value <= q.tolerance.value + 2 * kRoundingMargin)) return bounded(q, quantum);
+  finish(answer.quadtree, q.tolerance, quantum, q.tolerance.value);
   return answer;
+}
+
+}  // namespace
+
+Answer rounded_answer(const RoundedQuestion& q, Heights heights) {
+  if (heights.kind == HeightKind::dense) return dense(q);
+  if (heights.kind == HeightKind::fitted) return fitted(q, heights.quantum);
+  if (heights.quantum.value != 0) return nested(q, heights.quantum);
+  return bounded(q, quantum_for(q.pages.manifest().description, q.tolerance));
 }
 
 }  // namespace talus

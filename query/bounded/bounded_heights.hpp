@@ -1,9 +1,22 @@
 #pragma once
 // Answers whose heights are multiples of a quantum, and still within the tolerance.
 
-#include "talus/database.hpp"
+#include <optional>
+
+#include "query/pages/stored_pages.hpp"
+#include "query/pages/watch.hpp"
 
 namespace talus {
+
+/// What answers with rounded heights are made from.
+struct RoundedQuestion {
+  const StoredPages& pages;
+  GridRect region;
+  Metres tolerance;
+  std::optional<Metres> from;  ///< of an increment; only bounded heights with a quantum have one
+  int threads = 1;
+  Watch& watch;
+};
 
 /// How far a height can lie from the nearest multiple of a quantum, in metres: half of it, or less where heights are
 /// whole numbers of a step that divides it.
@@ -18,18 +31,8 @@ namespace talus {
 /// round by.
 [[nodiscard]] Metres dense_quantum(const Description& description, Metres tolerance);
 
-/// See Snapshot::bounded.
-[[nodiscard]] Answer bounded_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);
-
-/// See Snapshot::fitted.
-[[nodiscard]] Answer fitted_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);
-
-/// See Snapshot::dense.
-[[nodiscard]] Answer dense_answer(const Snapshot& now, GridRect region, Metres tolerance);
-
-/// See Snapshot::quantised.
-[[nodiscard]] Answer quantised_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum);
-[[nodiscard]] Increment quantised_increment(const Snapshot& now, GridRect region, Metres from, Metres to,
-                                            Metres quantum);
+/// An accepted question whose heights are not exact, its tolerance known. See HeightKind.
+/// fails  as Snapshot::ask
+[[nodiscard]] Answer rounded_answer(const RoundedQuestion& question, Heights heights);
 
 }  // namespace talus

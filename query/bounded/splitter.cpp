@@ -14,6 +14,8 @@
 #include "engine/quadtree/half_diamond.hpp"
 #include "query/bounded/bounded_heights.hpp"
 #include "query/pages/stopwatch.hpp"
+#include "query/selection/range_query.hpp"
+#include "query/selection/refusals.hpp"
 
 namespace talus {
 
@@ -53,24 +55,27 @@ class Checked {
 /// that may not be split has three corners of the source's height, so that it need not be.
 class Splitter {
  public:
-  Splitter(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum, SplitHeights heights)
-      : description_(now.description()),
+  Splitter(const RoundedQuestion& question, Metres quantum, SplitHeights heights)
+      : description_(question.pages.manifest().description),
+        watch_(question.watch),
         fits_(heights == SplitHeights::fitted),
-        samples_(now.samples(region)),
-        region_(region),
+        samples_(samples_for(question, fits_)),
+        region_(question.region),
         root_(root_side(description_.extent)),
-        limit_((tolerance.value - description_.lossy_metres) / description_.metres_per_unit),
-        finest_(now.range(region, fits_ ? Metres{0} : Metres{tolerance.value - rounding_of(description_, quantum)})),
+        limit_((question.tolerance.value - description_.lossy_metres) / description_.metres_per_unit),
+        finest_(exact_answer(
+            question, fits_ ? Metres{0} : Metres{question.tolerance.value - rounding_of(description_, quantum)})),
         rounded_(description_, quantum),
-        chosen_(region),
-        checked_(region) {
+        chosen_(region_),
+        checked_(region_) {
+    const double tolerance = question.tolerance.value;
     // A triangle that mixes data and void may have to go for its size: the answer at the tolerance says so.
-    if (!finest_.quadtree.covers.empty()) for_its_voids_ = asked_too(now, tolerance).vertices;
+    if (!finest_.quadtree.covers.empty()) for_its_voids_ = asked_too(question, Metres{tolerance}).vertices;
     if (fits_) {
-      sides_ = asked_too(now, Metres{tolerance.value - rounding_of(description_, quantum)}).vertices;
+      sides_ = asked_too(question, Metres{tolerance - rounding_of(description_, quantum)}).vertices;
       // What this leaves out has to be added, what it has too much stays: a loose answer is a good place to begin.
       constexpr double kLooser = 1.6;
-      coarse_ = asked_too(now, Metres{tolerance.value * kLooser}).vertices;
+      coarse_ = asked_too(question, Metres{tolerance * kLooser}).vertices;
       sources_.assign(finest_.quadtree.heights.begin(), finest_.quadtree.heights.end());
     }
     for (double& h : finest_.quadtree.heights) h = rounded_(h);
@@ -78,6 +83,7 @@ class Splitter {
 
   Answer run() {
     const Stopwatch running(finest_.cost.seconds);
+    watch_.stage(fits_ ? "fitting heights" : "splitting triangles", kReading, 1);
     for (const GridPoint p : border_vertices(region_, root_)) insert(p);
     (fits_ ? sides_ : finest_.quadtree.vertices).for_each([&](GridPoint p) {
       if (is_on_side(p) || spacing(p) >= root_) insert(p);
@@ -102,8 +108,22 @@ class Splitter {
   }
 
  private:
-  RestrictedQuadtree asked_too(const Snapshot& now, Metres tolerance) {
-    Answer answer = now.range(region_, tolerance);
+  static constexpr double kReading = 0.3;  ///< share of the time that exact answers take
+
+  static SampleWindow samples_for(const RoundedQuestion& question, bool fits) {
+    require_inside(question.pages, question.region);
+    question.watch.add_bytes(static_cast<std::uint64_t>(question.region.samples()) * (fits ? 26 : 9));
+    question.watch.stage("reading samples", 0, kReading);
+    return all_samples(question.pages, question.region, question.watch);
+  }
+  static Answer exact_answer(const RoundedQuestion& question, Metres tolerance) {
+    const Watch::Aside none_of_these_is_of_the_answer(question.watch);
+    return range_query(question.pages, question.region, tolerance, question.threads, {}, question.watch);
+  }
+
+  RestrictedQuadtree asked_too(const RoundedQuestion& question, Metres tolerance) {
+    Answer answer = exact_answer(question, tolerance);
+    watch_.give_back(answer.quadtree.vertices.size() * kBytesAVertex);  // its mask is all that is kept
     finest_.cost.pages_read += answer.cost.pages_read;
     finest_.cost.bytes_read += answer.cost.bytes_read;
     finest_.cost.pages_cached += answer.cost.pages_cached;
@@ -150,7 +170,7 @@ class Splitter {
   /// Sweeps over all samples: one that is left out pulls the corners of its triangle towards it, each by its weight
   /// there, as far as puts it within; until none is, or sweeps are used up.
   void fit() {
-    const Mesh mesh = triangulate(quadtree());
+    const Mesh mesh = triangulate(quadtree(), 1);
     RestrictedQuadtree& f = finest_.quadtree;
     std::vector<std::uint32_t> ranks(mesh.points.size());
     f.vertices.ranks(std::span(mesh.points.data(), mesh.points.size()), ranks);
@@ -159,6 +179,7 @@ class Splitter {
     for (int sweep = 0; moved && sweep < kSweeps; ++sweep) {
       moved = false;
       for (const auto& t : mesh.triangles) {
+        watch_.look();
         const std::array<GridPoint, 3> corners{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
         moved |= pull(corners, {ranks[t[0]], ranks[t[1]], ranks[t[2]]});
       }
@@ -240,6 +261,7 @@ class Splitter {
       for (std::size_t w = 0; w < to.size(); ++w) to[w] &= all[w];
     }
     chosen_.seal();
+    watch_.require_vertices(chosen_.size());  // none of them goes again
     const RestrictedQuadtree& f = finest_.quadtree;
     RestrictedQuadtree q;
     q.region = f.region;
@@ -258,14 +280,17 @@ class Splitter {
 
   /// Returns whether anything had to be split.
   bool split_once() {
-    const Mesh mesh = triangulate(quadtree());
+    const Mesh mesh = triangulate(quadtree(), 1);
     std::vector<GridPoint> more;
     for (const auto& t : mesh.triangles) {
+      watch_.look();
       const std::array<GridPoint, 3> corners{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
       const std::array<double, 3> heights{mesh.heights[t[0]], mesh.heights[t[1]], mesh.heights[t[2]]};
       if (const auto middle = check(corners, heights)) more.push_back(*middle);
     }
     for (const GridPoint p : more) chosen_.insert(p);
+    left_ *= 0.7;  // nobody knows how many rounds there will be
+    watch_.tell(1 - left_);
     return !more.empty();
   }
 
@@ -367,6 +392,8 @@ class Splitter {
   }
 
   const Description& description_;
+  Watch& watch_;
+  double left_ = 1;  ///< share of the work, as it is told
   bool fits_;
   SampleWindow samples_;
   GridRect region_;
@@ -385,8 +412,8 @@ class Splitter {
 
 }  // namespace
 
-Answer split_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum, SplitHeights heights) {
-  return Splitter(now, region, tolerance, quantum, heights).run();
+Answer split_answer(const RoundedQuestion& question, Metres quantum, SplitHeights heights) {
+  return Splitter(question, quantum, heights).run();
 }
 
 }  // namespace talus

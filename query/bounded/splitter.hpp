@@ -1,7 +1,7 @@
 #pragma once
 // Triangles split until every sample lies within a tolerance of them, whatever heights their corners have.
 
-#include "talus/database.hpp"
+#include "query/bounded/bounded_heights.hpp"
 
 namespace talus {
 
@@ -24,14 +24,13 @@ enum class SplitHeights {
 };
 
 /// Every sample of a region held against triangles between rounded heights, which are split until none is farther than
-/// the tolerance. On the region's sides vertices and heights are those of range() at the tolerance less the rounding,
-/// rounded.
+/// the tolerance. On the region's sides vertices and heights are those of the exact answer at the tolerance less the
+/// rounding, rounded.
 ///
 /// quantum  above 0, see require_quantum
 /// returns  its bound is measured; `tolerance` and quantum are the caller's to say
 /// cost     memory 9 bytes a sample of the region, fitted 26. Time: a few passes over the samples, fitted some fifty
 /// source   fitted heights: relaxation of linear inequalities, Agmon 1954, Motzkin and Schoenberg 1954
-[[nodiscard]] Answer split_answer(const Snapshot& now, GridRect region, Metres tolerance, Metres quantum,
-                                  SplitHeights heights);
+[[nodiscard]] Answer split_answer(const RoundedQuestion& question, Metres quantum, SplitHeights heights);
 
 }  // namespace talus

@@ -65,10 +65,12 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
                   fmt::format("cannot write a restricted quadtree to {}: the name must end in .rqt", file.string()),
                   file);
   }
-  const std::vector<std::byte> bytes = encode(stream, options, base);
-  OutputFile out{file};
-  out.write(bytes.data(), bytes.size());
-  out.commit();
+  within_memory([&] {
+    const std::vector<std::byte> bytes = encode(stream, options, base);
+    OutputFile out{file};
+    out.write(bytes.data(), bytes.size());
+    out.commit();
+  });
 }
 
 namespace {
@@ -78,7 +80,7 @@ template <class Work>
 auto of_file(const std::filesystem::path& file, Work&& work) {
   const std::vector<std::byte> bytes = bytes_of(file);
   try {
-    return work(bytes);
+    return within_memory([&] { return work(bytes); });
   } catch (const Failure& f) {
     const std::string sentence = f.what(), kind = "corrupt: ";
     throw Failure(f.cause(),

@@ -27,9 +27,8 @@ Metres exactly(const Mesh& mesh, const Description& description, OutputFile& out
   return Metres{0};
 }
 
-constexpr std::array<Format, 3> kFormats{{{".ply", exactly<write_ply>},
-                                          {".obj", exactly<write_obj>},
-                                          {".glb", write_glb}}};
+constexpr std::array<Format, 3> kFormats{
+    {{".ply", exactly<write_ply>}, {".obj", exactly<write_obj>}, {".glb", write_glb}}};
 
 const Format* known_format(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
@@ -89,13 +88,15 @@ void check_folder(const std::filesystem::path& file) {
 }
 
 Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
-  return blaming(file, [&] {
-    const Format& format = format_of(file);
-    check_mesh(mesh, file);
-    OutputFile out{file};
-    const Metres rounding = format.write(mesh, description, out);
-    out.commit();
-    return rounding;
+  return within_memory([&] {
+    return blaming(file, [&] {
+      const Format& format = format_of(file);
+      check_mesh(mesh, file);
+      OutputFile out{file};
+      const Metres rounding = format.write(mesh, description, out);
+      out.commit();
+      return rounding;
+    });
   });
 }
 

@@ -4,9 +4,10 @@
 
 namespace talus {
 
-NearbyPages::NearbyPages(const StoredPages& pages, QueryCost& cost)
+NearbyPages::NearbyPages(const StoredPages& pages, QueryCost& cost, const Watch& watch)
     : pages_(pages),
       cost_(cost),
+      watch_(watch),
       tops_(pages_of_band(pages.manifest().bands - 1, pages.manifest().description.extent)),
       bands_(static_cast<std::size_t>(pages.manifest().bands)) {}
 
@@ -15,7 +16,10 @@ const Page* NearbyPages::page(PageId id) { return page_at(place(id)); }
 const Page* NearbyPages::page_of_vertex(GridPoint p) { return page(page_of(p, band_of(p, pages_.manifest().bands))); }
 
 const Page* NearbyPages::page_at(Place& place) {
-  if (!place.page && place.entry.present) place.page = pages_.shared(place.id, place.entry.generation, cost_);
+  if (!place.page && place.entry.present) {
+    watch_.look();
+    place.page = pages_.shared(place.id, place.entry.generation, cost_);
+  }
   return place.page.get();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "query/pages/stored_pages.hpp"
+#include "query/pages/watch.hpp"
 
 namespace talus {
 
@@ -13,7 +14,7 @@ namespace talus {
 /// column and row: what lies around a corner where four pages meet is looked up once.
 class NearbyPages {
  public:
-  NearbyPages(const StoredPages& pages, QueryCost& cost);
+  NearbyPages(const StoredPages& pages, QueryCost& cost, const Watch& watch = unwatched());
 
   /// What is known of a page without reading it; present is false for one that holds voids only, or lies elsewhere.
   [[nodiscard]] const ChildEntry& entry(PageId id) { return place(id).entry; }
@@ -35,6 +36,7 @@ class NearbyPages {
 
   const StoredPages& pages_;
   QueryCost& cost_;
+  const Watch& watch_;  ///< looked at before a page is read
   std::vector<PageId> tops_;
   std::vector<std::array<Place, 4>> bands_;
 };

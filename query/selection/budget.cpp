@@ -10,12 +10,12 @@
 
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/half_diamond.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "query/pages/nearby_pages.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/answer_builder.hpp"
 #include "query/selection/refusals.hpp"
 #include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
 
 namespace talus {
 namespace {
@@ -24,20 +24,25 @@ namespace {
 /// that are left hold nothing above the tolerance that fits, they need not be read.
 class Fitting {
  public:
-  Fitting(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost)
+  Fitting(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost, Watch& watch)
       : pages_(pages),
         region_(region),
         budget_(budget),
         extent_(pages.manifest().description.extent),
         cost_(cost),
-        nearby_(pages, cost_) {}
+        watch_(watch),
+        nearby_(pages, cost_, watch) {}
 
   Metres run() {
     count_border();
     const Manifest& manifest = pages_.manifest();
     const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
     for (std::size_t i = 0; i < tops.size(); ++i) consider(tops[i], kAlwaysSelected, manifest.top_generations[i]);
+    std::uint64_t counted = 0;
     while (!waiting_.empty() && !is_over_from(waiting_.top().largest)) {
+      watch_.look();
+      ++counted;
+      watch_.tell(static_cast<double>(counted) / static_cast<double>(counted + waiting_.size()));
       const Waiting next = waiting_.top();
       waiting_.pop();
       count(*pages_.shared(next.id, next.generation, cost_));
@@ -80,7 +85,7 @@ class Fitting {
       throw Failure(
           Cause::invalid_argument,
           fmt::format("a budget of {}: the region's border alone needs {} vertices and {} triangles; a region "
-                      "on multiples of 16 samples needs fewest",
+                      "on multiples of 16 samples, see snapped(), needs fewest",
                       budget_text(), border_.vertices, border_.triangles));
     }
   }
@@ -160,6 +165,7 @@ class Fitting {
   const Budget& budget_;
   GridRect extent_;
   QueryCost& cost_;
+  Watch& watch_;
   NearbyPages nearby_;
   std::unordered_set<std::uint64_t> forced_;
   Sum border_;
@@ -169,12 +175,12 @@ class Fitting {
 
 }  // namespace
 
-Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost) {
+Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost, Watch& watch) {
   require_inside(pages, region);
   if (budget.vertices == 0 && budget.triangles == 0) return Metres{0};
   cost = pages.cost_of_header();
   const Stopwatch running(cost.seconds);
-  return Fitting(pages, region, budget, cost).run();
+  return Fitting(pages, region, budget, cost, watch).run();
 }
 
 }  // namespace talus

@@ -9,6 +9,8 @@
 #include <optional>
 #include <type_traits>
 
+#include <fmt/format.h>
+
 #include "engine/machine/parallel.hpp"
 #include "engine/quadtree/border.hpp"
 #include "query/pages/page_fates.hpp"
@@ -29,8 +31,10 @@ struct Wanted {
 
 class RangeQuery {
  public:
-  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance, int threads, std::optional<Metres> from)
+  RangeQuery(const StoredPages& pages, GridRect region, Metres tolerance, int threads, std::optional<Metres> from,
+             Watch& watch)
       : pages_(pages),
+        watch_(watch),
         manifest_(pages.manifest()),
         region_(region),
         asked_(tolerance.value),
@@ -51,7 +55,9 @@ class RangeQuery {
     std::vector<Wanted> pages;
     const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
     for (std::size_t i = 0; i < tops.size(); ++i) {
-      if (overlap(page_square(tops[i]), region_)) pages.push_back({tops[i], manifest_.top_generations[i], true});
+      if (!overlap(page_square(tops[i]), region_)) continue;
+      pages.push_back({tops[i], manifest_.top_generations[i], true});
+      area_ += area_of(tops[i]);
     }
     // The coarsest pages first, until there is enough to share.
     const std::size_t enough = threads_ == 1 ? 0 : kTasksAThread * static_cast<std::size_t>(threads_);
@@ -62,6 +68,7 @@ class RangeQuery {
     }
     for_each_task(threads_, pages.size(),
                   [&](int who, std::size_t task) { descend(pages[task], *workers_[static_cast<std::size_t>(who)]); });
+    watch_.look();
     return answer(started);
   }
 
@@ -97,6 +104,14 @@ class RangeQuery {
     Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< by sample of a page that the border needs
   };
+
+  /// In the region, so that those of the pages below a page add up to its own.
+  [[nodiscard]] std::int64_t area_of(PageId id) const {
+    const GridRect square = page_square(id);
+    const auto side = [](std::int64_t first, std::int64_t last) { return std::max<std::int64_t>(0, last - first); };
+    return side(std::max(square.first.col, region_.first.col), std::min(square.last.col, region_.last.col) + 1) *
+           side(std::max(square.first.row, region_.first.row), std::min(square.last.row, region_.last.row) + 1);
+  }
 
   /// What stored heights leave of a tolerance.
   [[nodiscard]] double left_of(Metres asked) const {
@@ -149,6 +164,8 @@ class RangeQuery {
 
   /// Takes from a page what it has, and names the pages below it that are to be looked into.
   void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
+    watch_.look();
+    std::int64_t settled = area_of(wanted.id);
     std::shared_ptr<const Page> kept;
     if (keeps_pages_) kept = pages_.shared(wanted.id, wanted.generation, worker.cost);
     const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, *worker.decoder, worker.cost);
@@ -162,8 +179,12 @@ class RangeQuery {
       // and more be known then: so increments, which do not read it, have the same bound.
       const bool is_wanted = above_(entry.largest);
       if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
-      if (is_wanted || (!above_from_ && is_forced(child))) below.push_back({child, entry.generation, is_wanted});
+      if (!is_wanted && (above_from_ || !is_forced(child))) continue;
+      below.push_back({child, entry.generation, is_wanted});
+      settled -= area_of(child);
     }
+    const std::int64_t done = settled_.fetch_add(settled, std::memory_order_relaxed) + settled;
+    if (&worker == workers_.front().get()) watch_.tell(static_cast<double>(done) / static_cast<double>(area_));
   }
 
   /// Takes the page's own vertices whose error is above the tolerance, or that the border needs; of an increment those
@@ -177,6 +198,7 @@ class RangeQuery {
     } else {
       select_beside_border(page, forced->second, worker);
     }
+    watch_.add_vertices(worker.chosen.size());
     insert(page.grid, worker.chosen);
     worker.found.take(page, worker.chosen);
   }
@@ -293,6 +315,7 @@ class RangeQuery {
   }
 
   const StoredPages& pages_;
+  Watch& watch_;
   const Manifest& manifest_;
   GridRect region_;
   double asked_;
@@ -305,6 +328,8 @@ class RangeQuery {
   VertexMask vertices_;
   std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< pages that the border needs, and what it needs of them
   std::vector<std::unique_ptr<Worker>> workers_;
+  std::int64_t area_ = 1;  ///< of the region, in samples, of which `settled_` needs no more looking
+  std::atomic<std::int64_t> settled_ = 0;
 };
 
 void copy_samples(const Page& page, const HeightStep& step, StoredSamples& stored) {
@@ -323,14 +348,27 @@ void copy_samples(const Page& page, const HeightStep& step, StoredSamples& store
 
 }  // namespace
 
-Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads,
-                   std::optional<Metres> from) {
+Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, int threads, std::optional<Metres> from,
+                   Watch& watch) {
   require_inside(pages, region);
   require_tolerance(tolerance);
-  return RangeQuery(pages, region, tolerance, threads, from).run();
+  watch.add_bytes(bytes_of_mask(region));
+  Answer answer = RangeQuery(pages, region, tolerance, threads, from, watch).run();
+  answer.from = from;
+  return answer;
 }
 
-StoredSamples stored_samples(const StoredPages& pages, GridRect region) {
+SampleWindow all_samples(const StoredPages& pages, GridRect region, Watch& watch) {
+  if (const double finest = pages.manifest().description.finest_tolerance; finest > 0) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("the database keeps only the vertices of answers at {} m and more: it cannot restore "
+                              "samples; ask for a surface at that tolerance",
+                              finest));
+  }
+  return stored_samples(pages, region, watch).window;
+}
+
+StoredSamples stored_samples(const StoredPages& pages, GridRect region, Watch& watch) {
   require_inside(pages, region);
   StoredSamples stored;
   SampleWindow& window = stored.window;
@@ -343,6 +381,7 @@ StoredSamples stored_samples(const StoredPages& pages, GridRect region) {
   PageDecoder decoder;
   // From the top down: only a page above tells one that is missing from one that holds voids.
   const auto visit = [&](auto&& self, PageId id, std::uint32_t generation) -> void {
+    watch.look();
     const Page& page = pages.get_heights(id, generation, decoder, unused);
     const std::vector<ChildEntry> children = page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {

@@ -8,6 +8,8 @@
 #include "engine/geo/ground.hpp"
 #include "engine/geo/longitude.hpp"
 #include "engine/quadtree/grid.hpp"
+#include "query/pages/placed_rectangle.hpp"
+#include "query/selection/combinations.hpp"
 #include "query/selection/matching.hpp"
 #include "talus/failure.hpp"
 
@@ -110,13 +112,79 @@ void require_neighbour(const StoredPages& pages, GridRect region, const Restrict
 
 }  // namespace
 
-void require_sense(const StoredPages& pages, const Question& question) {
+bool asks_for(const Question& q, Feature feature, bool together) {
+  const HeightKind kind = q.heights.kind;
+  switch (feature) {
+    case Feature::region: return !(q.region == Question{}.region);
+    case Feature::rectangle: return q.rectangle.has_value();
+    case Feature::tolerance: return q.tolerance.value > 0;
+    case Feature::budget: return q.budget.vertices > 0 || q.budget.triangles > 0;
+    case Feature::field: return q.field != nullptr;
+    case Feature::from: return q.from.has_value();
+    case Feature::border: return q.border != Border::constrain;
+    case Feature::exact: return kind == HeightKind::exact;
+    case Feature::bounded_alone: return kind == HeightKind::bounded && q.heights.quantum.value == 0;
+    case Feature::fitted: return kind == HeightKind::fitted;
+    case Feature::dense: return kind == HeightKind::dense;
+    case Feature::rounded: return kind != HeightKind::exact;
+    case Feature::quantum: return q.heights.quantum.value != 0;
+    case Feature::max_level: return q.max_level.has_value();
+    case Feature::points: return !q.points.empty() || !q.places.empty() || !q.lines.empty();
+    case Feature::neighbours: return !q.neighbours.empty();
+    case Feature::together: return together;
+  }
+  return false;
+}
+
+namespace {
+
+void require_combinable(const Question& question, bool together) {
+  for (const Combination& pair : kRefused) {
+    if (asks_for(question, pair.one, together) && asks_for(question, pair.other, together))
+      refuse(std::string(pair.sentence));
+  }
+}
+
+void require_from(const Question& question) {
+  require_tolerance(*question.from);
+  if (asks_for(question, Feature::budget, false)) return;  // not known yet
+  require_finer(*question.from, question.tolerance);
+}
+
+}  // namespace
+
+void require_finer(Metres from, Metres to) {
+  if (to < from) return;
+  refuse(fmt::format(
+      "increment from {} m to {} m: expected a finer one to go to: Question::tolerance below Question::from",
+      from.value, to.value));
+}
+
+void require_combinable(const Question& question) { require_combinable(question, false); }
+
+Question accepted(const StoredPages& pages, const Question& asked, bool together) {
+  require_combinable(asked, together);
+  const Description& d = pages.manifest().description;
+  Question question = asked;
+  if (asked.rectangle) {
+    question.region = placed(*asked.rectangle, d, pages.longitudes()).samples;
+    question.rectangle.reset();
+  } else if (!asks_for(asked, Feature::region, together)) {
+    question.region = d.extent;
+  }
   require_inside(pages, question.region);
   require_tolerance(question.tolerance);
-  if (question.max_level < 0) refuse(fmt::format("largest level {}: expected 0 or more", question.max_level));
-  if (question.border != Border::constrain &&
-      (question.field || !question.points.empty() || !question.neighbours.empty()))
-    refuse("a tolerance that varies, points of interest and neighbours go with a constrained border only");
+  if (question.max_level && *question.max_level < 0)
+    refuse(fmt::format("largest level {}: expected 0 or more", *question.max_level));
+  if (question.from) require_from(question);
+  const std::vector<GridPoint> nearest = samples_nearest(d, question.region, question.places);
+  question.points.insert(question.points.end(), nearest.begin(), nearest.end());
+  if (!question.lines.empty()) {
+    const std::vector<GridPoint> along = samples_along(d, question.region, question.lines);
+    question.points.insert(question.points.end(), along.begin(), along.end());
+  }
+  question.places.clear();
+  question.lines.clear();
   for (const GridPoint p : question.points) {
     if (question.region.contains(p)) continue;
     refuse(fmt::format(
@@ -125,6 +193,7 @@ void require_sense(const StoredPages& pages, const Question& question) {
         question.region.last.row));
   }
   for (const RestrictedQuadtree* neighbour : question.neighbours) require_neighbour(pages, question.region, *neighbour);
+  return question;
 }
 
 }  // namespace talus

@@ -31,18 +31,19 @@ GridRect around(GridRect r, std::int32_t reach) {
 
 class Selection {
  public:
-  Selection(const StoredPages& pages, const Question& question)
+  Selection(const StoredPages& pages, const Question& question, Watch& watch)
       : pages_(pages),
         question_(question),
+        watch_(watch),
         extent_(pages.manifest().description.extent),
         root_(root_side(extent_)),
         kept_above_(pages.manifest().description.kept_above()),
         lossy_(pages.manifest().description.lossy_metres),
         above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
-        finest_height_(std::max(0, finest_level(extent_) - question.max_level)),
+        finest_height_(std::max(0, finest_level(extent_) - question.max_level.value_or(finest_level(extent_)))),
         cost_(pages.cost_of_header()),
         fates_(pages, question.region, cost_, finest_height_),
-        nearby_(pages, cost_),
+        nearby_(pages, cost_, watch),
         found_(pages, cost_),
         looked_into_(static_cast<std::size_t>(pages.manifest().bands)),
         marked_(looked_into_.size()) {}
@@ -50,6 +51,7 @@ class Selection {
   /// What the question asks for by itself.
   void choose() {
     const Stopwatch running(cost_.seconds);
+    watch_.stage("choosing vertices", 0, kChoosing);
     fates_.begin();
     choose_forced();
     const Manifest& manifest = pages_.manifest();
@@ -57,6 +59,7 @@ class Selection {
     for (std::size_t i = 0; i < tops.size(); ++i) {
       if (overlap(page_square(tops[i]), question_.region)) choose(tops[i], manifest.top_generations[i]);
     }
+    watch_.look();
     // A tolerance above all errors of one level selects a closed set; one that varies may not.
     if (question_.field) close_bottom_up(vertices_, root_);
     if (question_.points.empty()) return;
@@ -70,6 +73,7 @@ class Selection {
   /// Takes what a neighbour has on shared sides, with all it depends on. Returns whether there was anything new.
   bool match(GridRect neighbour, const VertexMask& its_vertices) {
     const Stopwatch running(cost_.seconds);
+    watch_.look();
     std::uint64_t added = 0;
     for_each_on_shared_sides(its_vertices, neighbour, question_.region, [&](GridPoint p) {
       if (vertices_.contains(p)) return;
@@ -93,7 +97,10 @@ class Selection {
   }
 
  private:
+  static constexpr double kChoosing = 0.6;  ///< share of the time that choosing takes
+
   void gather_into(Answer& answer) {
+    watch_.stage("gathering heights", kChoosing, 1);
     gather_pages();
     answer.quadtree = found_.quadtree(question_.region, std::move(vertices_));
     answer.quadtree.tolerance = question_.field ? Metres{std::numeric_limits<double>::infinity()} : question_.tolerance;
@@ -102,6 +109,7 @@ class Selection {
     answer.border_vertices = forced_alone_;
     answer.matching_vertices = matching_;
     answer.point_vertices = for_points_;
+    answer.points = question_.points.size();
     answer.void_points = void_points_;
     for (const RestrictedQuadtree* neighbour : question_.neighbours) {
       for_each_on_shared_sides(answer.quadtree.vertices, question_.region, neighbour->region, [&](GridPoint p) {
@@ -137,6 +145,8 @@ class Selection {
         if (question_.region.contains(p)) needed.push_back(p);
       }
     }
+    watch_.look();
+    watch_.add_bytes(bytes_of_mask(window));
     vertices_ = VertexMask(window);
     for (const GridPoint p : needed) {
       if (vertices_.contains(p)) continue;
@@ -173,6 +183,8 @@ class Selection {
   }
 
   void choose(PageId id, std::uint32_t generation) {
+    watch_.look();
+    std::uint64_t selected = 0;
     const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
     look_into(*page, true);
     for_each_own(*page, question_.region, [&](std::int32_t col, std::int32_t row) {
@@ -181,10 +193,16 @@ class Selection {
       if (is_selected(*page, i, p)) {
         if (vertices_.contains(p)) --forced_alone_;
         vertices_.insert(p);
+        ++selected;
       } else if (!vertices_.contains(p)) {
         absent_.take(*page, i);
       }
     });
+    // Those that are selected are stored: whatever else comes to them, the answer has as many.
+    selected_ += selected;
+    watch_.require_vertices(selected_);
+    ++pages_chosen_;
+    watch_.tell(static_cast<double>(pages_chosen_) / static_cast<double>(pages_chosen_ + kPagesAhead));
     for (std::size_t i = 0; i < page->children.size(); ++i) {
       const PageId child = child_page(id, i);
       const ChildEntry& entry = page->children[i];
@@ -252,7 +270,7 @@ class Selection {
       for (; id.band < bands; id = parent_page(id)) {
         if (last[static_cast<std::size_t>(id.band)] == id) return;
         last[static_cast<std::size_t>(id.band)] = id;
-        marked_[static_cast<std::size_t>(id.band)].insert(curve_position(id));
+        if (marked_[static_cast<std::size_t>(id.band)].insert(curve_position(id)).second) ++pages_marked_;
       }
     };
     vertices_.for_each(mark);
@@ -260,20 +278,30 @@ class Selection {
 
   void gather(PageId id, std::uint32_t generation) {
     if (!marked_[static_cast<std::size_t>(id.band)].contains(curve_position(id))) return;
+    watch_.look();
     const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
     look_into(*page, false);
     found_.begin_page();
+    std::uint64_t taken = 0;
     for_each_own(*page, vertices_.region(), [&](std::int32_t col, std::int32_t row) {
-      if (vertices_.contains(page->grid.at(col, row))) found_.take(*page, col, row);
+      if (!vertices_.contains(page->grid.at(col, row))) return;
+      found_.take(*page, col, row);
+      ++taken;
     });
+    watch_.add_vertices(taken);
+    watch_.tell(static_cast<double>(++pages_gathered_) / static_cast<double>(pages_marked_));
     for (std::size_t i = 0; i < page->children.size(); ++i) {
       const ChildEntry& child = page->children[i];
       if (child.present) gather(child_page(id, i), child.generation);
     }
   }
 
+  /// Nobody knows how many pages choosing will look into: after so many it is said to be half done.
+  static constexpr std::uint64_t kPagesAhead = 64;
+
   const StoredPages& pages_;
   const Question& question_;
+  Watch& watch_;
   GridRect extent_;
   std::int32_t root_;
   double kept_above_;  ///< metres
@@ -289,6 +317,8 @@ class Selection {
   std::uint64_t matching_ = 0;      ///< vertices that only neighbours need
   std::uint64_t for_points_ = 0;    ///< vertices that only points need
   std::uint64_t void_points_ = 0;
+  std::uint64_t selected_ = 0;  ///< vertices whose errors are above the tolerance
+  std::uint64_t pages_chosen_ = 0, pages_marked_ = 0, pages_gathered_ = 0;
   LargestAbsent absent_;
   std::vector<std::unordered_set<std::uint64_t>> looked_into_;  ///< by band, positions on the curve
   std::vector<std::unordered_set<std::uint64_t>> marked_;       ///< the same
@@ -299,10 +329,12 @@ class Selection {
 // The vertices of a region are closed on the whole grid, so what a side's vertices depend on along that side is the
 // same from either region: the union of both closures has on the side just the union of theirs, and one exchange is
 // enough for two regions. A third may share another side, on which the closure has added something: hence the rounds.
-std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches) {
+std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches,
+                                      std::deque<Watch>& watches) {
   std::vector<std::unique_ptr<Selection>> chosen;
-  for (const Question& question : patches) {
-    chosen.push_back(std::make_unique<Selection>(pages, question));
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const Question& question = patches[i];
+    chosen.push_back(std::make_unique<Selection>(pages, question, watches[i]));
     chosen.back()->choose();
     for (const RestrictedQuadtree* neighbour : question.neighbours)
       chosen.back()->match(neighbour->region, neighbour->vertices);
@@ -321,10 +353,6 @@ std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const 
     one.reset();
   }
   return answers;
-}
-
-Answer select_and_gather(const StoredPages& pages, const Question& question) {
-  return std::move(select_and_gather(pages, std::span(&question, 1)).front());
 }
 
 }  // namespace talus

@@ -5,7 +5,7 @@
 
 namespace talus {
 
-/// See Snapshot::errors.
+/// See errors_of.
 [[nodiscard]] std::vector<double> vertex_errors(const StoredPages& pages, const RestrictedQuadtree& answer);
 
 }  // namespace talus

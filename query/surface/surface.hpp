@@ -51,7 +51,7 @@ struct Facet {
 /// Not from several threads at once.
 class Surface {
  public:
-  /// tolerance  as of Snapshot::range
+  /// tolerance  as of Question
   Surface(const StoredPages& pages, const ExtentBorder& border, Metres tolerance, QueryCost& cost);
 
   /// The triangles to begin with: two for each root square that has something of the extent.
@@ -66,7 +66,8 @@ class Surface {
   /// In height codes: of the triangles that are not split and contain a place, any that holds data.
   [[nodiscard]] std::optional<double> height(Place p);
 
-  /// Metres that no covered sample is farther away than; may be above the tolerance asked for, see Snapshot::range.
+  /// Metres that no covered sample is farther away than; may be above the tolerance asked for, see
+  /// RestrictedQuadtree::bound.
   [[nodiscard]] double bound() const;
 
  private:

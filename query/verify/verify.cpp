@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "engine/quadtree/triangulation.hpp"
-#include "query/accuracy/true_error.hpp"
 #include "engine/geo/ground.hpp"
+#include "query/accuracy/true_error.hpp"
 #include "query/snapshot_view.hpp"
 #include "query/verify/verify_computed.hpp"
 #include "query/verify/verify_findings.hpp"
@@ -238,9 +237,11 @@ class Verification {
 }  // namespace
 
 VerifyReport verify(const Snapshot& snapshot, const VerifyOptions& options) {
-  Verification v(pages_of(snapshot), options);
-  v.run();
-  return std::move(v.report);
+  return within_memory([&] {
+    Verification v(pages_of(snapshot), options);
+    v.run();
+    return std::move(v.report);
+  });
 }
 
 VerifyReport verify(const Snapshot& snapshot, const SampleReader& truth) {

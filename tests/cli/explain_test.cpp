@@ -47,7 +47,7 @@ void expect_bands(const nlohmann::json& json, const QueryCost& cost) {
 TEST_F(Explain, SaysWhatWasReadAndLeftOutAndHowLongItTook) {
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   const auto json = asked({"--tolerance=40", "--bbox=50,-300,450,-20", "-o", "out.ply"});
-  expect_bands(json, now.range(now.region({50, -300, 450, -20}), Metres{40}).cost);
+  expect_bands(json, now.ask({.region = now.region({50, -300, 450, -20}).samples, .tolerance = Metres{40}}).cost);
   for (const char* stage : {"read and decode", "choose", "gather", "triangulate", "write"}) {
     ASSERT_TRUE(json["explain"]["seconds"].contains(stage)) << stage;
     EXPECT_GE(json["explain"]["seconds"][stage], 0);
@@ -70,7 +70,8 @@ TEST_F(Explain, IsATableForPeople) {
 TEST_F(Explain, WorksForEveryKindOfQuestion) {
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   const GridRect all = now.description().extent;
-  expect_bands(asked({"--from=40", "--tolerance=9"}), now.increment(all, Metres{40}, Metres{9}).cost);
+  expect_bands(asked({"--from=40", "--tolerance=9"}),
+               increment_of(now.ask({.region = all, .tolerance = Metres{9}, .from = Metres{40}})).cost);
   const auto budget = asked({"--max-triangles=30000"});
   EXPECT_GT(budget["explain"]["search"]["pages_read"], 0);
   EXPECT_TRUE(budget["explain"]["seconds"].contains("find the tolerance"));

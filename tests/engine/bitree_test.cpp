@@ -14,8 +14,8 @@
 
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
-#include "engine/quadtree/triangulation.hpp"
 #include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
 #include "tests/engine/random_answers.hpp"
 #include "tests/engine/terrains.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/quadtree/triangulation.hpp"
 #include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
 #include "tests/engine/random_answers.hpp"
 
 namespace talus::support {

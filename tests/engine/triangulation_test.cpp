@@ -1,7 +1,5 @@
 // The triangulation without recursion, against plain recursion from the root.
 
-#include "engine/quadtree/triangulation.hpp"
-
 #include <algorithm>
 #include <set>
 #include <string>
@@ -12,6 +10,7 @@
 #include "engine/error/voids.hpp"
 #include "engine/quadtree/border.hpp"
 #include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
 #include "tests/engine/closed_sets.hpp"
 
 namespace talus::support {

@@ -72,7 +72,7 @@ void query() {
   const Snapshot now = Database::open(scratch()).snapshot();
   const GridRect region = corner_of(now.description().extent);
   for (const double tolerance : {0.0, 1.0, 1e9}) {
-    ask([&] { static_cast<void>(triangulate(now.range(region, Metres{tolerance}).quadtree)); });
+    ask([&] { static_cast<void>(triangulate(now.ask({.region = region, .tolerance = Metres{tolerance}}).quadtree)); });
   }
   ask([&] { static_cast<void>(now.samples(region)); });
   ask([&] { static_cast<void>(now.storage()); });

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "engine/quadtree/triangulation.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "engine/stream/stream_header.hpp"
 #include "talus/failure.hpp"
+#include "talus/quadtree.hpp"
 #include "tests/fuzz/reseal.hpp"
 
 namespace {

@@ -31,8 +31,14 @@ TEST(BoundedAtTheSmallestTolerance, IsRefusedWhereMultiplesAreNoWholeNumbers) {
   const HardDatabase database(hard_case(1e6));
   for (const double tolerance : {kSmallest, 1e-310, 1e-200, 1e-12}) {
     const FloatExceptions watched;
-    EXPECT_THROW((void)database.now().bounded(database.extent(), Metres{tolerance}), Failure);
-    EXPECT_THROW((void)database.now().quantised(database.extent(), Metres{tolerance}, Metres{tolerance}), Failure);
+    EXPECT_THROW(
+        (void)database.now().ask(
+            {.region = database.extent(), .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::bounded}}),
+        Failure);
+    EXPECT_THROW((void)database.now().ask({.region = database.extent(),
+                                           .tolerance = Metres{tolerance},
+                                           .heights = {.kind = HeightKind::bounded, .quantum = Metres{tolerance}}}),
+                 Failure);
     EXPECT_EQ(watched.seen(), "");
   }
 }
@@ -42,8 +48,11 @@ TEST(BoundedAtTheSmallestTolerance, KeepsThePromise) {
     const HardDatabase database(hard_case(size));
     for (const double tolerance : {1e-15, 1e-9, 1e-6, 1.0, 1e15}) {
       SCOPED_TRACE(::testing::Message() << "heights to " << size << ", tolerance " << tolerance * size);
-      const Answer answer =
-          without_float_exceptions([&] { return database.now().bounded(database.extent(), Metres{tolerance * size}); });
+      const Answer answer = without_float_exceptions([&] {
+        return database.now().ask({.region = database.extent(),
+                                   .tolerance = Metres{tolerance * size},
+                                   .heights = {.kind = HeightKind::bounded}});
+      });
       const Mesh mesh = database.streamed(answer.quadtree);
       for (const double height : mesh.heights) ASSERT_TRUE(std::isfinite(height));
     }

@@ -29,7 +29,7 @@ TEST(CellsOfATenthOfAMillimetre, AreFoundByTheirCoordinates) {
   const HardDatabase database(hard_case());
   const GridMapping mapping = database.now().description().mapping;
   // Doubles place a coordinate here to a hundred-thousandth of a cell.
-  EXPECT_EQ(database.now().region({mapping.x(60), mapping.y(90), mapping.x(100), mapping.y(70)}),
+  EXPECT_EQ(database.now().region({mapping.x(60), mapping.y(90), mapping.x(100), mapping.y(70)}).samples,
             (GridRect{{60, 70}, {100, 90}}));
 }
 

@@ -33,7 +33,7 @@ TEST(GeographicWholeGlobe, IsOneDegreeWideTheOtherWayRound) {
 TEST(GeographicWholeGlobe, KeepsThePromise) {
   const HardDatabase database(hard_case());
   database.hold_to_the_promise();
-  EXPECT_EQ(database.now().region({-180, -90, 180, 90}), database.extent());
+  EXPECT_EQ(database.now().region({-180, -90, 180, 90}).samples, database.extent());
 }
 
 }  // namespace

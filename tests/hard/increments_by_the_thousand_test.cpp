@@ -30,8 +30,8 @@ HardCase hard_case() { return {.terrain = fit(fractal(90, 70, 31, 1500), SampleT
 
 TEST(IncrementsByTheThousand, SendTheirTiesTwice) {
   const HardDatabase database(hard_case());
-  const auto whole = database.now().range(database.extent(), Metres{0}).quadtree;
-  const std::vector<double> errors = database.now().errors(whole);
+  const auto whole = database.now().ask({.region = database.extent(), .tolerance = Metres{0}}).quadtree;
+  const std::vector<double> errors = errors_of(database.now(), whole);
   std::size_t sent = 0;
   for (int step = 1; step <= kSteps; ++step) sent += naive_count(errors, tolerance(step - 1), tolerance(step));
   EXPECT_GT(sent, whole.vertices.size() * 3 / 2);
@@ -41,17 +41,20 @@ TEST(IncrementsByTheThousand, KeepThePromise) {
   const HardDatabase database(hard_case());
   database.hold_to_the_promise();
   const Snapshot& now = database.now();
-  RestrictedQuadtree client = now.range(database.extent(), Metres{tolerance(0)}).quadtree;
+  RestrictedQuadtree client = now.ask({.region = database.extent(), .tolerance = Metres{tolerance(0)}}).quadtree;
   std::size_t sent = client.vertices.size();
   for (int step = 1; step <= kSteps; ++step) {
-    const Increment more = now.increment(database.extent(), Metres{tolerance(step - 1)}, Metres{tolerance(step)});
+    const Increment more = increment_of(now.ask(
+        {.region = database.extent(), .tolerance = Metres{tolerance(step)}, .from = Metres{tolerance(step - 1)}}));
     sent += more.added.vertices.size();
     const auto bytes = encode({now.description(), more}, {}, &client);
     client = without_float_exceptions(
         [&] { return merge(client, std::get<Increment>(decode_stream(bytes, {}, &client).content)); },
         FE_DIVBYZERO | FE_OVERFLOW);
     if (step % 50 != 0) continue;
-    ASSERT_EQ(difference(client, now.range(database.extent(), Metres{tolerance(step)}).quadtree), "") << step;
+    ASSERT_EQ(difference(client, now.ask({.region = database.extent(), .tolerance = Metres{tolerance(step)}}).quadtree),
+              "")
+        << step;
   }
   EXPECT_EQ(sent, client.vertices.size()) << "each vertex once";
   EXPECT_EQ(client.tolerance.value, 0);

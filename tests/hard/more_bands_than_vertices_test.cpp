@@ -20,7 +20,7 @@ std::size_t naive_vertices_a_band(std::size_t vertices) { return vertices / kBan
 void expect_streams(const HardDatabase& database) {
   const Snapshot& now = database.now();
   for (const double tolerance : {0.0, 20.0, 1e9}) {
-    const RestrictedQuadtree answer = now.range(database.extent(), Metres{tolerance}).quadtree;
+    const RestrictedQuadtree answer = now.ask({.region = database.extent(), .tolerance = Metres{tolerance}}).quadtree;
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       for (const int threads : {0, 1, 3}) {
         const StreamOptions options{.profile = profile, .threads = threads, .bands = kBands};
@@ -37,7 +37,8 @@ void expect_streams(const HardDatabase& database) {
 
 TEST(MoreBandsThanVertices, LeaveNoneForABand) {
   const HardDatabase database({.terrain = hills(9, 7)});
-  const std::size_t all = database.now().range(database.extent(), Metres{0}).quadtree.vertices.size();
+  const std::size_t all =
+      database.now().ask({.region = database.extent(), .tolerance = Metres{0}}).quadtree.vertices.size();
   EXPECT_GT(all, 20u);
   EXPECT_EQ(naive_vertices_a_band(all), 0u);
 }

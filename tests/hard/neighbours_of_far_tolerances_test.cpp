@@ -26,7 +26,7 @@ Question question(GridRect region, double tolerance) {
 
 OracleReport naive_report(const HardDatabase& database) {
   const auto ask = [&](GridRect part, double tolerance) {
-    return triangulate(database.now().range(part, Metres{tolerance}).quadtree);
+    return triangulate(database.now().ask({.region = part, .tolerance = Metres{tolerance}}).quadtree);
   };
   return check_mesh(join(ask(kWest, 0), ask(kEast, kInfinity), kBoth), database.truth(), 1, kInfinity);
 }

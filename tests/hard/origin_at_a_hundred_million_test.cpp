@@ -35,14 +35,15 @@ TEST(OriginAtAHundredMillion, FindsSamplesByTheirCoordinates) {
   const HardDatabase database(hard_case());
   const GridMapping m = database.now().description().mapping;
   for (const int col : {1, 64, 1000, 1024, 1090}) {
-    const GridRect found = database.now().region({m.x(col), m.y(90), m.x(col + 8), m.y(70)});
+    const GridRect found = database.now().region({m.x(col), m.y(90), m.x(col + 8), m.y(70)}).samples;
     EXPECT_EQ(found, (GridRect{{col, 70}, {col + 8, 90}}));
-    const Frame frame = database.now().frame({m.x(col), m.y(90), m.x(col + 8), m.y(70)});
+    const Frame frame = database.now().region({m.x(col), m.y(90), m.x(col + 8), m.y(70)}).frame;
     EXPECT_EQ(frame.west, col) << "what is clipped on a sample leaves no slivers of rounding beside it";
     EXPECT_EQ(frame.south, 90);
   }
   // Between samples it goes outward still.
-  EXPECT_EQ(database.now().region({m.x(10.5), m.y(90.5), m.x(20.5), m.y(70.5)}), (GridRect{{10, 70}, {21, 91}}));
+  EXPECT_EQ(database.now().region({m.x(10.5), m.y(90.5), m.x(20.5), m.y(70.5)}).samples,
+            (GridRect{{10, 70}, {21, 91}}));
 }
 
 }  // namespace

@@ -40,13 +40,12 @@ TEST(QuantisedAtAMillionMetres, KeepsThePromise) {
   const HardDatabase database(hard_case());
   database.hold_to_the_promise();
   for (const double tolerance : {kQuantum, kTolerance, 1.0, 1e6}) {
-    for (const bool nested : {false, true}) {
-      const Answer answer = without_float_exceptions([&] {
-        return nested ? database.now().quantised(database.extent(), Metres{tolerance}, Metres{kQuantum})
-                      : database.now().bounded(database.extent(), Metres{tolerance}, Metres{kQuantum});
-      });
-      (void)database.streamed(answer.quadtree);
-    }
+    const Answer answer = without_float_exceptions([&] {
+      return database.now().ask({.region = database.extent(),
+                                 .tolerance = Metres{tolerance},
+                                 .heights = {.kind = HeightKind::bounded, .quantum = Metres{kQuantum}}});
+    });
+    (void)database.streamed(answer.quadtree);
   }
 }
 
@@ -57,8 +56,11 @@ TEST(QuantisedAtAMillionMetres, TheBoundCountsInThatMultiplesAreRounded) {
                     60, 40, [](int col, int row) { return 999990 + ((col * 7 + row * 3) % 111 + 0.5) * kTwentieth; })};
   hard.file.type = SampleType::float64;
   const HardDatabase database(hard);
-  const RestrictedQuadtree answer =
-      database.now().quantised(database.extent(), Metres{kTwentieth / 2}, Metres{kTwentieth}).quadtree;
+  const RestrictedQuadtree answer = database.now()
+                                        .ask({.region = database.extent(),
+                                              .tolerance = Metres{kTwentieth / 2},
+                                              .heights = {.kind = HeightKind::bounded, .quantum = Metres{kTwentieth}}})
+                                        .quadtree;
   long double largest = 0;
   std::size_t i = 0;
   answer.vertices.for_each([&](GridPoint p) {

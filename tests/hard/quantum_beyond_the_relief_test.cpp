@@ -33,25 +33,23 @@ TEST(QuantumBeyondTheRelief, KeepsThePromise) {
   for (const SampleType type : {SampleType::int16, SampleType::float64}) {
     const HardDatabase database(hard_case(type));
     database.hold_to_the_promise();
-    for (const bool nested : {false, true}) {
-      const Answer answer = without_float_exceptions([&] {
-        return nested ? database.now().quantised(database.extent(), Metres{kTolerance}, Metres{kQuantum})
-                      : database.now().bounded(database.extent(), Metres{kTolerance}, Metres{kQuantum});
-      });
-      const Mesh mesh = database.streamed(answer.quadtree);
-      for (const double height : mesh.heights) ASSERT_EQ(height, kQuantum);
-      // Nested answers are asked at what rounding leaves of the tolerance, others have the region's sides from there:
-      // of 400 m less 400 m that is all samples.
-      EXPECT_TRUE(nested || mesh.points.size() < database.truth().values.size() / 8);
-    }
+    const Answer answer = without_float_exceptions([&] {
+      return database.now().ask({.region = database.extent(),
+                                 .tolerance = Metres{kTolerance},
+                                 .heights = {.kind = HeightKind::bounded, .quantum = Metres{kQuantum}}});
+    });
+    const Mesh mesh = database.streamed(answer.quadtree);
+    for (const double height : mesh.heights) ASSERT_EQ(height, kQuantum);
   }
 }
 
 TEST(QuantumBeyondTheRelief, OfAnyLargerSizeKeepsThePromise) {
   const HardDatabase database(hard_case(SampleType::float64));
   for (const double tolerance : {1000.0, 1e6, 1e12, 1e300}) {
-    const Answer answer =
-        without_float_exceptions([&] { return database.now().bounded(database.extent(), Metres{tolerance}); });
+    const Answer answer = without_float_exceptions([&] {
+      return database.now().ask(
+          {.region = database.extent(), .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::bounded}});
+    });
     (void)database.streamed(answer.quadtree);
   }
 }

@@ -33,9 +33,10 @@ HardCase hard_case() {
 std::size_t naive_count(const Snapshot& now, int steps, GridRect within) {
   VertexMask has(now.description().extent);
   for (int i = 0; i <= steps; ++i) {
-    now.range(step(i).region, Metres{step(i).tolerance}).quadtree.vertices.for_each([&](GridPoint p) {
-      if (within.contains(p)) has.insert(p);
-    });
+    now.ask({.region = step(i).region, .tolerance = Metres{step(i).tolerance}})
+        .quadtree.vertices.for_each([&](GridPoint p) {
+          if (within.contains(p)) has.insert(p);
+        });
   }
   has.seal();
   return has.size();
@@ -46,7 +47,7 @@ TEST(SessionBackAndForth, EndsWithTooMuchIfNothingIsDropped) {
   const int last = 44;  // in the rectangle of step 43, at 1e9 m
   const Step s = step(last);
   ASSERT_EQ(s.tolerance, 1e9);
-  const auto answer = database.now().range(s.region, Metres{s.tolerance}).quadtree;
+  const auto answer = database.now().ask({.region = s.region, .tolerance = Metres{s.tolerance}}).quadtree;
   EXPECT_GT(naive_count(database.now(), last, s.region), 2 * answer.vertices.size());
 }
 
@@ -60,7 +61,7 @@ TEST(SessionBackAndForth, KeepsThePromise) {
     SCOPED_TRACE(i);
     const Step s = step(i);
     client = without_float_exceptions([&] { return apply(client, session.next(now, s.region, Metres{s.tolerance})); });
-    const auto answer = now.range(s.region, Metres{s.tolerance}).quadtree;
+    const auto answer = now.ask({.region = s.region, .tolerance = Metres{s.tolerance}}).quadtree;
     ASSERT_EQ(difference(client, answer), "");
     if (i % 20 != 0) continue;
     const OracleReport report = check_mesh(triangulate(client), database.truth(), 1, s.tolerance);

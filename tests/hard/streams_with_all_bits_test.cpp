@@ -55,7 +55,7 @@ TEST(StreamsWithAllBits, KeepThePromise) {
   const HardDatabase database(hard_case());
   database.hold_to_the_promise();
   for (const double tolerance : {0.0, kSmallest, 1e-16, 1.0, 1e5}) {
-    (void)database.streamed(database.now().range(database.extent(), Metres{tolerance}).quadtree);
+    (void)database.streamed(database.now().ask({.region = database.extent(), .tolerance = Metres{tolerance}}).quadtree);
   }
 }
 

@@ -32,7 +32,7 @@ HardCase hard_case() {
 
 /// The strip's heights, and those of its bytes beside them.
 void expect_heights_within(const HardDatabase& database, double tolerance, double step) {
-  const auto answer = database.now().range(database.extent(), Metres{tolerance}).quadtree;
+  const auto answer = database.now().ask({.region = database.extent(), .tolerance = Metres{tolerance}}).quadtree;
   const TriangleStrip strip = strip_of(answer);
   EXPECT_EQ(strip.triangles(), triangulate(answer).triangles.size());
   const auto bytes = without_float_exceptions([&] { return encode_strip(strip, {step}); });
@@ -67,7 +67,8 @@ TEST(StripHeightsOf32Bits, KeepThePromise) {
     expect_heights_within(database, tolerance, 1);
     expect_heights_within(database, tolerance, 1e7);
   }
-  const TriangleStrip strip = strip_of(database.now().range(database.extent(), Metres{0}).quadtree);
+  const TriangleStrip strip =
+      strip_of(database.now().ask({.region = database.extent(), .tolerance = Metres{0}}).quadtree);
   EXPECT_THROW((void)encode_strip(strip, {kStep / 4}), Failure) << "34 bits";
 }
 

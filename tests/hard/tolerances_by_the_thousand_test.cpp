@@ -21,10 +21,11 @@ TEST(TolerancesByTheThousand, KeepThePromise) {
 
 TEST(TolerancesByTheThousand, NeverGiveMoreForLess) {
   const HardDatabase database({.terrain = fit(fractal(150, 100, 4, 4000), SampleType::int16)});
-  VertexMask finer = database.now().range(database.extent(), Metres{0}).quadtree.vertices;
+  VertexMask finer = database.now().ask({.region = database.extent(), .tolerance = Metres{0}}).quadtree.vertices;
   for (int i = 0; i < 1000; ++i) {
     const double tolerance = std::pow(10.0, -1 + i / 200.0);
-    const RestrictedQuadtree answer = database.now().range(database.extent(), Metres{tolerance}).quadtree;
+    const RestrictedQuadtree answer =
+        database.now().ask({.region = database.extent(), .tolerance = Metres{tolerance}}).quadtree;
     std::size_t strange = 0;
     answer.vertices.for_each([&](GridPoint p) { strange += !finer.contains(p); });
     ASSERT_EQ(strange, 0u) << tolerance;

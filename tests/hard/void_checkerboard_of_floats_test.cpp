@@ -54,9 +54,14 @@ TEST(VoidCheckerboardOfFloats, KeepsThePromise) {
       const Description& d = now.description();
       for (const GridRect region : {database.extent(), GridRect{{2, 3}, {20, 21}}, GridRect{{2, 16}, {6, 21}}}) {
         for (const double tolerance : {1e-6, 1e-3, 1.0}) {
-          for (const Answer& answer : {now.range(region, Metres{tolerance}), now.bounded(region, Metres{tolerance}),
-                                       now.dense(region, Metres{tolerance}), now.fitted(region, Metres{tolerance}),
-                                       now.quantised(region, Metres{tolerance}, Metres{1e-6})}) {
+          for (const Answer& answer :
+               {now.ask({.region = region, .tolerance = Metres{tolerance}}),
+                now.ask({.region = region, .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::bounded}}),
+                now.ask({.region = region, .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::dense}}),
+                now.ask({.region = region, .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::fitted}}),
+                now.ask({.region = region,
+                .tolerance = Metres{tolerance},
+                .heights = {.kind = HeightKind::bounded, .quantum = Metres{1e-6}}})}) {
             for (const double height : answer.quadtree.heights)
               EXPECT_TRUE(height == 0 || (height >= d.minimum - 1.1 && height <= d.maximum + 1.1)) << height;
             static_cast<void>(database.streamed(answer.quadtree));

@@ -51,7 +51,7 @@ class Kept {
     return verify(now(), [&](GridRect r) { return Raster(folder_ / "a.tif").read(r); }).findings;
   }
   void expect_promise(GridRect region, double tolerance, double finest) const {
-    const Answer answer = now().range(region, Metres{tolerance});
+    const Answer answer = now().ask({.region = region, .tolerance = Metres{tolerance}});
     EXPECT_LE(answer.quadtree.bound.value, std::max(tolerance, finest) + 2e-9);
     OracleOptions judging{1, 1};
     judging.heights_are_source = false;
@@ -69,7 +69,7 @@ class Kept {
 
 IngestOptions keeping(double tolerance) {
   IngestOptions options;
-  options.finest_tolerance = tolerance;
+  options.finest_tolerance = Metres{tolerance};
   return options;
 }
 
@@ -124,7 +124,7 @@ TEST(FinestTolerance, BordersMayEndAmidPagesOfVoids) {
 
 TEST(FinestTolerance, RoundedHeightsAreInTheBoundToo) {
   IngestOptions options = keeping(6);
-  options.inputs.height_step = 4;
+  options.inputs.height_step = Metres{4};
   const Kept kept(ground(310, 290, 9, SampleType::float32, false), SampleType::float32, options);
   Random random(3);
   for (int i = 0; i < 8; ++i) kept.expect_promise(random_region(random, 310, 290), random.log_between(1, 30), 6);
@@ -136,7 +136,7 @@ TEST(FinestTolerance, RectanglesThatShareASideMeet) {
   for (const std::int32_t side : {40, 101, 160, 233}) {
     std::map<std::pair<std::int32_t, std::int32_t>, double> west, east;
     const auto points_on_side = [&](GridRect region, auto& to) {
-      const Mesh mesh = triangulate(kept.now().range(region, Metres{30}).quadtree);
+      const Mesh mesh = triangulate(kept.now().ask({.region = region, .tolerance = Metres{30}}).quadtree);
       for (std::size_t i = 0; i < mesh.points.size(); ++i) {
         if (mesh.points[i].col == side) to[{mesh.points[i].col, mesh.points[i].row}] = mesh.heights[i];
       }
@@ -164,7 +164,7 @@ TEST(FinestTolerance, WhatNeedsAllSamplesIsRefused) {
               Cause::invalid_argument);
   }
   IngestOptions rounded = keeping(2);
-  rounded.inputs.height_step = 4;
+  rounded.inputs.height_step = Metres{4};
   EXPECT_EQ(failure_of([&] { static_cast<void>(ingest(folder / "new.tif", folder / "new.talus", rounded)); }).cause(),
             Cause::invalid_argument);
 }

@@ -253,7 +253,7 @@ TEST_F(MosaicTest, DifferentScalesMeetAsValues) {
 
 TEST_F(MosaicTest, AForcedStepRoundsToWholeCodes) {
   InputOptions options;
-  options.height_step = 0.5;
+  options.height_step = Metres{0.5};
   const Terrain heights = support::surface(4, 1, [](int col, int) { return 100.2 + 0.25 * col; });
   const Source source{{write("a.tif", heights, at(0, 0, SampleType::float64))}, options};
   EXPECT_EQ(source.description().step, (HeightStep{1, 2, 0, true}));
@@ -261,10 +261,10 @@ TEST_F(MosaicTest, AForcedStepRoundsToWholeCodes) {
   const Raster raster{{folder_ / "a.tif"}, options};
   EXPECT_THAT(raster.read({{0, 0}, {3, 0}}).values, ElementsAre(100, 100.5, 100.5, 101));
 
-  options.height_step = 10;
+  options.height_step = Metres{10};
   EXPECT_THAT(all_codes(Source{{constant("b.tif", 2, 1, 126, at(0, 0))}, options}).codes, ElementsAre(13, 13));
   for (const double bad : {-1.0, 1e-9, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
-    options.height_step = bad;
+    options.height_step = Metres{bad};
     EXPECT_EQ(failure_with({folder_ / "a.tif"}, options).cause(), Cause::invalid_argument) << bad;
   }
 }

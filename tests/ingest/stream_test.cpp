@@ -162,7 +162,7 @@ TEST(Stream, AnswersOverSeveralTilesKeepThePromise) {
               std::vector<std::string>{});
     for (const double tolerance : {0.0, 0.5, 3.0, 40.0, 400.0}) {
       for (const GridRect region : {GridRect{{0, 0}, {2299, 1399}}, {{1000, 900}, {1100, 1200}}}) {
-        const Mesh mesh = triangulate(now.range(region, Metres{tolerance}).quadtree);
+        const Mesh mesh = triangulate(now.ask({.region = region, .tolerance = Metres{tolerance}}).quadtree);
         const OracleReport report = check_mesh(mesh, terrain, 1, tolerance, {1, 1});
         EXPECT_TRUE(report.sound()) << tolerance << ": " << report.summary();
       }

@@ -51,7 +51,8 @@ TEST(ErrorKinds, NestedErrorsKeepThePromise) {
     Random random(seed);
     const GridRect region = random_region(random, raster.terrain);
     const Metres tolerance{random_tolerance(random)};
-    const Answer fewer = exact.range(region, tolerance), more = nested.range(region, tolerance);
+    const Answer fewer = exact.ask({.region = region, .tolerance = tolerance}),
+                 more = nested.ask({.region = region, .tolerance = tolerance});
     const OracleReport report = check_mesh(triangulate(more.quadtree), raster.terrain,
                                            nested.description().metres_per_unit, tolerance.value, raster.judging);
     EXPECT_TRUE(report.sound()) << report.summary();
@@ -150,7 +151,7 @@ TEST(ErrorKinds, MidpointErrorsSelectWhatTheirDefinitionSelects) {
     ingest(folder / "a.tif", folder / "a.talus", options_of(kMidpoint));
     const Snapshot now = Database::open(folder / "a.talus").snapshot();
     for (const double tolerance : {0.0, 3.0, 20.0, 55.0, 100.0}) {
-      const Answer answer = now.range({{0, 0}, {cols - 1, rows - 1}}, Metres{tolerance});
+      const Answer answer = now.ask({.region = {{0, 0}, {cols - 1, rows - 1}}, .tolerance = Metres{tolerance}});
       const VertexMask naive = naive_midpoint_answer(terrain, tolerance);
       std::size_t missing = 0, extra = 0;
       for (std::int32_t row = 0; row < rows; ++row) {
@@ -214,7 +215,8 @@ TEST(ErrorKinds, UpdatesGoOnWithTheKindOfTheDatabase) {
     EXPECT_EQ(verify(b).findings, std::vector<std::string>());
     for (const double tolerance : {0.0, 2.0, 7.0, 40.0}) {
       const GridRect all = a.description().extent;
-      const Answer x = a.range(all, Metres{tolerance}), y = b.range(all, Metres{tolerance});
+      const Answer x = a.ask({.region = all, .tolerance = Metres{tolerance}}),
+                   y = b.ask({.region = all, .tolerance = Metres{tolerance}});
       EXPECT_EQ(x.quadtree.vertices.size(), y.quadtree.vertices.size()) << tolerance;
       EXPECT_TRUE(std::ranges::equal(x.quadtree.heights, y.quadtree.heights)) << tolerance;
     }
@@ -233,7 +235,7 @@ TEST(ErrorKinds, AreRefusedWhereTheyPromiseNothing) {
   EXPECT_NE(std::string(refused(midpoint).what()).find("--no-guarantee"), std::string::npos);
   EXPECT_EQ(refused(options_of({ErrorKind::nested, ErrorMetric::perpendicular})).cause(), Cause::invalid_argument);
   IngestOptions kept = options_of(kPerpendicular);
-  kept.finest_tolerance = 2;
+  kept.finest_tolerance = Metres{2};
   EXPECT_EQ(refused(kept).cause(), Cause::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.talus"));
   for (const Kind kind : {kMidpoint, kPerpendicular}) {
@@ -242,9 +244,19 @@ TEST(ErrorKinds, AreRefusedWhereTheyPromiseNothing) {
     ingest(folder / "a.tif", folder / "a.talus", options);
     const Snapshot now = Database::open(folder / "a.talus").snapshot();
     const GridRect all = now.description().extent;
-    for (const Failure& failure : {failure_of([&] { static_cast<void>(now.bounded(all, Metres{5})); }),
-                                   failure_of([&] { static_cast<void>(now.dense(all, Metres{5})); }),
-                                   failure_of([&] { static_cast<void>(now.quantised(all, Metres{5}, Metres{1})); })}) {
+    for (const Failure& failure :
+         {failure_of([&] {
+            static_cast<void>(
+                now.ask({.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded}}));
+          }),
+          failure_of([&] {
+            static_cast<void>(now.ask({.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::dense}}));
+          }),
+          failure_of([&] {
+            static_cast<void>(now.ask({.region = all,
+                                       .tolerance = Metres{5},
+                                       .heights = {.kind = HeightKind::bounded, .quantum = Metres{1}}}));
+          })}) {
       EXPECT_EQ(failure.cause(), Cause::invalid_argument);
       EXPECT_NE(std::string(failure.what()).find("exact heights"), std::string::npos) << failure.what();
     }
@@ -260,14 +272,16 @@ TEST(ErrorKinds, StreamsSayWhichErrorsTheyWereChosenBy) {
     ingest(folder / "a.tif", folder / "a.talus", options_of(kind));
     const Snapshot now = Database::open(folder / "a.talus").snapshot();
     const GridRect all = now.description().extent;
-    const Stream coarse = decode_stream(encode({now.description(), now.range(all, Metres{40}).quadtree}, {}));
+    const Stream coarse =
+        decode_stream(encode({now.description(), now.ask({.region = all, .tolerance = Metres{40}}).quadtree}, {}));
     EXPECT_EQ(coarse.description.error_kind, kind.kind);
     EXPECT_EQ(coarse.description.error_metric, kind.metric);
     const auto& base = std::get<RestrictedQuadtree>(coarse.content);
     EXPECT_EQ(std::isinf(base.bound.value), kind.kind == ErrorKind::midpoint);
     // Refinement does not ask what errors mean.
-    const RestrictedQuadtree finer = merge(base, now.increment(all, Metres{40}, Metres{10}));
-    const RestrictedQuadtree asked = now.range(all, Metres{10}).quadtree;
+    const RestrictedQuadtree finer =
+        merge(base, increment_of(now.ask({.region = all, .tolerance = Metres{10}, .from = Metres{40}})));
+    const RestrictedQuadtree asked = now.ask({.region = all, .tolerance = Metres{10}}).quadtree;
     EXPECT_TRUE(std::ranges::equal(finer.heights, asked.heights));
     EXPECT_EQ(finer.bound, asked.bound);
   }

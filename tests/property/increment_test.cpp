@@ -53,11 +53,12 @@ std::vector<double> random_chain(Random& random, const Snapshot& now) {
 }
 
 void expect_chain(const Snapshot& now, GridRect region, const std::vector<double>& chain) {
-  RestrictedQuadtree client = now.range(region, Metres{chain.front()}).quadtree;
+  RestrictedQuadtree client = now.ask({.region = region, .tolerance = Metres{chain.front()}}).quadtree;
   for (std::size_t i = 1; i < chain.size(); ++i) {
     SCOPED_TRACE(std::to_string(chain[i - 1]) + " m to " + std::to_string(chain[i]) + " m");
-    const Increment increment = now.increment(region, Metres{chain[i - 1]}, Metres{chain[i]});
-    const Answer whole = now.range(region, Metres{chain[i]});
+    const Increment increment =
+        increment_of(now.ask({.region = region, .tolerance = Metres{chain[i]}, .from = Metres{chain[i - 1]}}));
+    const Answer whole = now.ask({.region = region, .tolerance = Metres{chain[i]}});
     // Exactly what the client lacks, and none of it there already.
     std::size_t lacking = 0;
     whole.quadtree.vertices.for_each([&](GridPoint p) {
@@ -71,8 +72,10 @@ void expect_chain(const Snapshot& now, GridRect region, const std::vector<double
     ASSERT_EQ(difference(client, whole.quadtree), "");
   }
   if (chain.size() > 2) {
-    const RestrictedQuadtree first = now.range(region, Metres{chain.front()}).quadtree;
-    const auto at_once = merge(first, now.increment(region, Metres{chain.front()}, Metres{chain.back()}));
+    const RestrictedQuadtree first = now.ask({.region = region, .tolerance = Metres{chain.front()}}).quadtree;
+    const auto at_once = merge(
+        first,
+        increment_of(now.ask({.region = region, .tolerance = Metres{chain.back()}, .from = Metres{chain.front()}})));
     EXPECT_EQ(difference(at_once, client), "") << "a chain and one step";
   }
 }
@@ -95,17 +98,18 @@ TEST(Increments, OfADatabaseThatKeptATolerancesVerticesEndThere) {
     Random random(seed);
     IngestOptions options;
     const double finest = random.log_between(0.1, 50);
-    options.finest_tolerance = finest;
+    options.finest_tolerance = Metres{finest};
     const Made made(seed, options);
     SCOPED_TRACE(made.raster.description + " kept " + std::to_string(finest));
     const Snapshot now = made.now();
     const GridRect region = random_region(random, made.raster.terrain);
     expect_chain(now, region, {kInfinity, 4 * finest, finest, finest / 2, 0});
     if (HasFatalFailure()) return;
-    const Increment none = now.increment(region, Metres{finest}, Metres{finest / 3});
+    const Increment none =
+        increment_of(now.ask({.region = region, .tolerance = Metres{finest / 3}, .from = Metres{finest}}));
     EXPECT_EQ(none.added.vertices.size(), 0u);
     EXPECT_EQ(none.added.tolerance.value, finest / 3) << "as asked; the bound says what it is";
-    EXPECT_EQ(none.added.bound.value, now.range(region, Metres{finest}).quadtree.bound.value);
+    EXPECT_EQ(none.added.bound.value, now.ask({.region = region, .tolerance = Metres{finest}}).quadtree.bound.value);
   }
 }
 
@@ -113,7 +117,7 @@ TEST(Increments, OfRoundedHeightsMergeToo) {
   for (const std::uint64_t seed : seeds(40, 73000)) {
     Random random(seed);
     IngestOptions options;
-    options.inputs.height_step = random.log_between(0.01, 5);
+    options.inputs.height_step = Metres{random.log_between(0.01, 5)};
     const Made made(seed, options);
     SCOPED_TRACE(made.raster.description);
     const Snapshot now = made.now();
@@ -158,7 +162,8 @@ TEST(Increments, ReadOnlyPagesThatHoldSomethingAboveTheFinerTolerance) {
       if (overlap(page_square(tops[t]), region))
         expected += pages_above(pages, tops[t], manifest.top_generations[t], region, to);
     }
-    const QueryCost cost = now.increment(region, Metres{2 * to}, Metres{to}).cost;
+    const QueryCost cost =
+        increment_of(now.ask({.region = region, .tolerance = Metres{to}, .from = Metres{2 * to}})).cost;
     EXPECT_EQ(cost.pages_read + cost.pages_cached, expected) << to;
   }
 }
@@ -186,19 +191,23 @@ TEST(Increments, ThatDoNotFitAreRefused) {
   ingest(folder / "other" / "a.tif", folder / "other" / "a.talus");
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   const Snapshot elsewhere = Database::open(folder / "other" / "a.talus").snapshot();
-  EXPECT_NE(now.identity(), elsewhere.identity());
+  EXPECT_NE(now.provenance().identity, elsewhere.provenance().identity);
   ingest(folder / "a.tif", folder / "again.talus");
-  EXPECT_EQ(now.identity(), Database::open(folder / "again.talus").snapshot().identity())
+  EXPECT_EQ(now.provenance().identity, Database::open(folder / "again.talus").snapshot().provenance().identity)
       << "one content, one identity";
   const GridRect region{{10, 10}, {150, 120}};
-  const RestrictedQuadtree base = now.range(region, Metres{20}).quadtree;
+  const RestrictedQuadtree base = now.ask({.region = region, .tolerance = Metres{20}}).quadtree;
 
-  EXPECT_THAT(refusal(base, elsewhere.increment(region, Metres{20}, Metres{5})),
-              ::testing::HasSubstr("another database"));
-  EXPECT_THAT(refusal(base, now.increment({{10, 10}, {150, 119}}, Metres{20}, Metres{5})),
-              ::testing::HasSubstr("region"));
-  EXPECT_THAT(refusal(base, now.increment(region, Metres{21}, Metres{5})), ::testing::HasSubstr("at 20 m"));
-  Increment updated = now.increment(region, Metres{20}, Metres{5});
+  EXPECT_THAT(
+      refusal(base, increment_of(elsewhere.ask({.region = region, .tolerance = Metres{5}, .from = Metres{20}}))),
+      ::testing::HasSubstr("another database"));
+  EXPECT_THAT(
+      refusal(base,
+              increment_of(now.ask({.region = {{10, 10}, {150, 119}}, .tolerance = Metres{5}, .from = Metres{20}}))),
+      ::testing::HasSubstr("region"));
+  EXPECT_THAT(refusal(base, increment_of(now.ask({.region = region, .tolerance = Metres{5}, .from = Metres{21}}))),
+              ::testing::HasSubstr("at 20 m"));
+  Increment updated = increment_of(now.ask({.region = region, .tolerance = Metres{5}, .from = Metres{20}}));
   updated.added.origin.identity.generation = 3;
   EXPECT_THAT(refusal(base, updated), ::testing::HasSubstr("update 3"));
 
@@ -206,20 +215,23 @@ TEST(Increments, ThatDoNotFitAreRefused) {
   points.region = region;
   points.tolerance = Metres{20};
   points.points = {{33, 33}};
-  EXPECT_THAT(refusal(now.ask(points).quadtree, now.increment(region, Metres{20}, Metres{5})),
+  EXPECT_THAT(refusal(now.ask(points).quadtree,
+                      increment_of(now.ask({.region = region, .tolerance = Metres{5}, .from = Metres{20}}))),
               ::testing::HasSubstr("no such answer"));
   points.points.clear();
   EXPECT_EQ(difference(now.ask(points).quadtree, base), "") << "asked for no more than a range";
 
   for (const auto& [from, to] : {std::pair{5.0, 5.0}, {5.0, 6.0}, {5.0, -1.0}, {NAN, 1.0}, {5.0, NAN}, {-1.0, -2.0}}) {
     try {
-      static_cast<void>(now.increment(region, Metres{from}, Metres{to}));
+      static_cast<void>(increment_of(now.ask({.region = region, .tolerance = Metres{to}, .from = Metres{from}})));
       ADD_FAILURE() << from << " to " << to;
     } catch (const Failure& f) {
       EXPECT_EQ(f.cause(), Cause::invalid_argument);
     }
   }
-  EXPECT_THROW(static_cast<void>(now.increment({{0, 0}, {200, 10}}, Metres{5}, Metres{1})), Failure);
+  EXPECT_THROW(static_cast<void>(
+                   increment_of(now.ask({.region = {{0, 0}, {200, 10}}, .tolerance = Metres{1}, .from = Metres{5}}))),
+               Failure);
 }
 
 TEST(Increments, OfAnUpdatedDatabaseDoNotFitTheOldAnswer) {
@@ -231,14 +243,15 @@ TEST(Increments, OfAnUpdatedDatabaseDoNotFitTheOldAnswer) {
   const GridRect region{{10, 10}, {150, 120}};
   {
     const Snapshot now = Database::open(folder / "a.talus").snapshot();
-    base = now.range(region, Metres{20}).quadtree;
+    base = now.ask({.region = region, .tolerance = Metres{20}}).quadtree;
   }
   Terrain changed = terrain;
   changed.at(199, 149) += 1;  // beyond the region: nothing of the answer changes
   write_raster(changed, folder / "b.tif");
   static_cast<void>(update({folder / "b.tif"}, folder / "a.talus"));
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
-  EXPECT_THAT(refusal(base, now.increment(region, Metres{20}, Metres{5})), ::testing::HasSubstr("update 1"));
+  EXPECT_THAT(refusal(base, increment_of(now.ask({.region = region, .tolerance = Metres{5}, .from = Metres{20}}))),
+              ::testing::HasSubstr("update 1"));
 }
 
 // ---- sessions -------------------------------------------------------------------------------------------
@@ -280,7 +293,8 @@ void expect_session(const Snapshot& now, const Terrain& terrain, Random& random,
     EXPECT_LE(session.bytes(), std::uint64_t{1} << 20);
     expect_minimal(client, d);
     client = apply(client, d);
-    ASSERT_EQ(difference(client, now.range(window, Metres{tolerance}).quadtree), "") << "step " << i;
+    ASSERT_EQ(difference(client, now.ask({.region = window, .tolerance = Metres{tolerance}}).quadtree), "")
+        << "step " << i;
     const int what = random.between(0, 4);
     if (what <= 2) window = moved(random, window, terrain);
     if (what == 3) tolerance = tolerance == 0 ? 0.0 : std::isinf(tolerance) ? 100 : tolerance * random.unit();
@@ -324,7 +338,7 @@ TEST(Sessions, ForgetWhatIsMoreThanTheyMayRememberAndSaySo) {
     EXPECT_FALSE(d.remembered);
     EXPECT_EQ(session.bytes(), 0u);
     client = apply(client, d);
-    EXPECT_EQ(difference(client, now.range(region, Metres{tolerance}).quadtree), "");
+    EXPECT_EQ(difference(client, now.ask({.region = region, .tolerance = Metres{tolerance}}).quadtree), "");
   }
   Session roomy(1 << 20);
   client = apply({}, roomy.next(now, region, Metres{50}));
@@ -343,7 +357,8 @@ TEST(Sessions, StartOverWithAnotherDatabase) {
   const Snapshot now = other.now();
   const Difference d = session.next(now, now.description().extent, Metres{1});
   EXPECT_TRUE(d.starts_over);
-  EXPECT_EQ(difference(apply(client, d), now.range(now.description().extent, Metres{1}).quadtree), "");
+  EXPECT_EQ(
+      difference(apply(client, d), now.ask({.region = now.description().extent, .tolerance = Metres{1}}).quadtree), "");
 }
 
 // ---- progressive order ----------------------------------------------------------------------------------
@@ -364,8 +379,9 @@ TEST(Progressions, OfAnyPrefixAreQuadtreesThatKeepTheirBounds) {
     const Snapshot now = made.now();
     Random random(seed);
     const GridRect region = random_region(random, made.raster.terrain);
-    const RestrictedQuadtree answer = now.range(region, Metres{random_tolerance(random)}).quadtree;
-    const std::vector<double> errors = now.errors(answer);
+    const RestrictedQuadtree answer =
+        now.ask({.region = region, .tolerance = Metres{random_tolerance(random)}}).quadtree;
+    const std::vector<double> errors = errors_of(now, answer);
     ASSERT_EQ(errors.size(), answer.vertices.size());
     const Progression plain(answer), ordered(answer, errors);
     double before = kInfinity;
@@ -401,7 +417,8 @@ TEST(Progressions, OfLevelsAreAnswersWithALargestLevel) {
     const Snapshot now = made.now();
     Random random(seed);
     const GridRect region = random_region(random, made.raster.terrain);
-    const RestrictedQuadtree answer = now.range(region, Metres{random_tolerance(random)}).quadtree;
+    const RestrictedQuadtree answer =
+        now.ask({.region = region, .tolerance = Metres{random_tolerance(random)}}).quadtree;
     const Progression levels(answer);
     for (std::size_t step = 1; step < levels.steps(); ++step) {
       Question question;
@@ -423,13 +440,13 @@ TEST(Progressions, OfIncrementsMakeQuadtreesThatKeepTheirBounds) {
     Random random(seed);
     const GridRect region = random_region(random, made.raster.terrain);
     const Metres to{random.log_between(0.01, 30)}, from{to.value * random.within(1.1, 20)};
-    const RestrictedQuadtree base = now.range(region, from).quadtree;
-    const Increment increment = now.increment(region, from, to);
+    const RestrictedQuadtree base = now.ask({.region = region, .tolerance = from}).quadtree;
+    const Increment increment = increment_of(now.ask({.region = region, .tolerance = to, .from = from}));
     const Progression levels(increment.added);
     for (std::size_t step = 1; step <= levels.steps(); ++step) {
       const RestrictedQuadtree merged = merge(base, {levels.prefix(increment.added, step), from, {}});
       if (step == levels.steps()) {
-        EXPECT_EQ(difference(merged, now.range(region, to).quadtree), "");
+        EXPECT_EQ(difference(merged, now.ask({.region = region, .tolerance = to}).quadtree), "");
       }
       const auto report = check_mesh(triangulate(merged), made.raster.terrain, now.description().metres_per_unit,
                                      merged.bound.value, made.raster.judging);
@@ -448,8 +465,8 @@ TEST(Progressions, OfVertexErrorsSayWhatSelectedThem) {
     Random random(seed);
     const GridRect region = random_region(random, made.raster.terrain);
     const double tolerance = random_tolerance(random);
-    const RestrictedQuadtree answer = now.range(region, Metres{tolerance}).quadtree;
-    const std::vector<double> errors = now.errors(answer);
+    const RestrictedQuadtree answer = now.ask({.region = region, .tolerance = Metres{tolerance}}).quadtree;
+    const std::vector<double> errors = errors_of(now, answer);
     std::set<std::pair<int, int>> forced;
     for (const GridPoint p : border_vertices(region, root_side(now.description().extent))) forced.emplace(p.col, p.row);
     std::size_t i = 0;
@@ -485,7 +502,7 @@ TEST(RealIncrements, MergeAndMoveOverSwissGermany) {
     const Difference d = session.next(now, window, Metres{tolerance});
     expect_minimal(client, d);
     client = apply(client, d);
-    const Answer answer = now.range(window, Metres{tolerance});
+    const Answer answer = now.ask({.region = window, .tolerance = Metres{tolerance}});
     ASSERT_EQ(difference(client, answer.quadtree), "") << i;
     if (i > 0) added += d.added.added.vertices.size(), whole += answer.quadtree.vertices.size();
     window.first.col += 16, window.last.col += 16, window.first.row += 8, window.last.row += 8;

@@ -49,7 +49,7 @@ class Ingested {
   }
   [[nodiscard]] const Snapshot& now() const { return *now_; }
   [[nodiscard]] RestrictedQuadtree range(GridRect region, double tolerance) const {
-    return now_->range(region, Metres{tolerance}).quadtree;
+    return now_->ask({.region = region, .tolerance = Metres{tolerance}}).quadtree;
   }
 
  private:
@@ -327,7 +327,7 @@ std::vector<double> all_errors(const Snapshot& now) {
     for (std::int32_t col = e.first.col; col <= e.last.col; ++col) all.vertices.insert({col, row});
   }
   all.vertices.seal();
-  return now.errors(all);
+  return errors_of(now, all);
 }
 
 TEST(Invariance, MovedByABlockFineErrorsStay) {

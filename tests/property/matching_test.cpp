@@ -92,7 +92,7 @@ TEST(Matching, PatchesOfOneCallMeetAtAnyTolerances) {
       asked.expect_sound(patches[i], answers[i]);
       EXPECT_TRUE(answers[i].unmatched.empty());
       // All that the patch has by itself, it has here.
-      const Answer alone = asked.now->range(patches[i].region, patches[i].tolerance);
+      const Answer alone = asked.now->ask({.region = patches[i].region, .tolerance = patches[i].tolerance});
       alone.quadtree.vertices.for_each(
           [&](GridPoint p) { EXPECT_TRUE(answers[i].quadtree.vertices.contains(p)) << asked.name(patches[i]); });
       largest = std::max(largest, answers[i].quadtree.bound.value);
@@ -115,14 +115,14 @@ TEST(Matching, ACoarserAnswerTakesAFinerNeighboursVertices) {
                 if (patches.size() < 2 || whole.cols() < 2 || whole.rows() < 2) return;
                 const double a = asked.random.chance(0.5) ? 0 : random_tolerance(asked.random);
                 const double b = asked.random.chance(0.5) ? HUGE_VAL : random_tolerance(asked.random);
-                const Answer fine = asked.now->range(patches[0], Metres{std::min(a, b)});
+                const Answer fine = asked.now->ask({.region = patches[0], .tolerance = Metres{std::min(a, b)}});
                 Question q;
                 q.region = patches[1];
                 q.tolerance = Metres{std::max(a, b)};
                 q.neighbours = {&fine.quadtree};
                 const Answer coarse = asked.now->ask(q);
                 asked.expect_sound(q, coarse);
-                const Answer alone = asked.now->range(q.region, q.tolerance);
+                const Answer alone = asked.now->ask({.region = q.region, .tolerance = q.tolerance});
                 EXPECT_EQ(coarse.quadtree.vertices.size(), alone.quadtree.vertices.size() + coarse.matching_vertices)
                     << asked.name(q);
                 differing += coarse.matching_vertices > 0 ? 1 : 0;
@@ -153,7 +153,7 @@ TEST(Matching, AFinerAnswerSaysWhatItsNeighbourLacks) {
                 const GridRect whole = random_region(asked.random, asked.raster.terrain);
                 const auto patches = random_patches(asked.random, whole, 2);
                 if (patches.size() < 2 || whole.cols() < 2 || whole.rows() < 2) return;
-                const Answer coarse = asked.now->range(patches[0], Metres{1e9});
+                const Answer coarse = asked.now->ask({.region = patches[0], .tolerance = Metres{1e9}});
                 Question q;
                 q.region = patches[1];
                 q.tolerance = Metres{0};
@@ -173,7 +173,7 @@ TEST(Matching, AFinerAnswerSaysWhatItsNeighbourLacks) {
 TEST(Matching, WhatCannotMeetIsRefused) {
   Asked one(1, {40, 40, 60, 60}), other(2, {40, 40, 60, 60});
   const GridRect left{{0, 0}, {20, 30}}, right{{20, 0}, {39, 30}};
-  const Answer answer = one.now->range(left, Metres{1});
+  const Answer answer = one.now->ask({.region = left, .tolerance = Metres{1}});
   const auto refused = [&](const Asked& where, GridRect region, const RestrictedQuadtree& neighbour, Border border) {
     Question q;
     q.region = region;

@@ -133,16 +133,16 @@ TEST_P(Promise, HoldsForRandomRastersRegionsAndTolerances) {
     const GridRect region = random_region(random, database.raster.terrain);
     EXPECT_TRUE(same_samples(database.now.samples(region), database.raster.terrain));
     const double tolerance = random_tolerance(random);
-    const Answer answer = database.now.range(region, Metres{tolerance});
+    const Answer answer = database.now.ask({.region = region, .tolerance = Metres{tolerance}});
     const double error = expect_promise(database, region, tolerance, answer);
 
     // The error that was reached is itself a tolerance: a tie, and no reason for a vertex more or less.
-    const Answer tie = database.now.range(region, Metres{error});
+    const Answer tie = database.now.ask({.region = region, .tolerance = Metres{error}});
     const double tie_error = expect_promise(database, region, error, tie);
     EXPECT_TRUE(holds_all(database.raster.terrain, tie.quadtree, answer.quadtree));
     if (tie_error > 0) {
       const double below = std::nextafter(tie_error, 0.0);
-      const Answer finer = database.now.range(region, Metres{below});
+      const Answer finer = database.now.ask({.region = region, .tolerance = Metres{below}});
       expect_promise(database, region, below, finer);
       EXPECT_TRUE(holds_all(database.raster.terrain, finer.quadtree, tie.quadtree));
     }
@@ -158,7 +158,7 @@ TEST_P(Exactness, ToleranceZeroRestoresEveryCoveredSample) {
     SCOPED_TRACE(database.raster.description);
     Random random(seed);
     const GridRect region = random_region(random, database.raster.terrain);
-    const Answer answer = database.now.range(region, Metres{0});
+    const Answer answer = database.now.ask({.region = region, .tolerance = Metres{0}});
     expect_promise(database, region, 0, answer);
   });
 }
@@ -172,9 +172,9 @@ TEST_P(Tolerances, LooserOnesNeverGiveAVertexMore) {
     SCOPED_TRACE(database.raster.description);
     Random random(seed);
     const GridRect region = random_region(random, database.raster.terrain);
-    Answer finer = database.now.range(region, Metres{0});
+    Answer finer = database.now.ask({.region = region, .tolerance = Metres{0}});
     for (const double tolerance : {0.01, 0.1, 0.25, 0.5, 1.0, 1.3, 2.0, 7.0, 20.0, 100.0, 1000.0, HUGE_VAL}) {
-      Answer coarser = database.now.range(region, Metres{tolerance});
+      Answer coarser = database.now.ask({.region = region, .tolerance = Metres{tolerance}});
       EXPECT_TRUE(holds_all(database.raster.terrain, finer.quadtree, coarser.quadtree));
       finer = std::move(coarser);
     }
@@ -225,8 +225,8 @@ TEST_P(Neighbours, MeetWithoutACrack) {
     SCOPED_TRACE(database.raster.description);
     const auto [one, other] = random_neighbours(random, database.raster.terrain);
     const double tolerance = random_tolerance(random);
-    const Mesh a = triangulate(database.now.range(one, Metres{tolerance}).quadtree);
-    const Mesh b = triangulate(database.now.range(other, Metres{tolerance}).quadtree);
+    const Mesh a = triangulate(database.now.ask({.region = one, .tolerance = Metres{tolerance}}).quadtree);
+    const Mesh b = triangulate(database.now.ask({.region = other, .tolerance = Metres{tolerance}}).quadtree);
     const GridRect side{other.first, one.last};
     const Mesh both = join(a, b, {one.first, other.last});
     const OracleReport report = database.judge(both, tolerance);
@@ -275,7 +275,8 @@ TEST(Samples, KeepTheSignOfZeroAndTheSmallestFloats) {
     const Ingested database(raster_of(terrain, type));
     EXPECT_TRUE(same_samples(database.now.samples(database.extent()), database.raster.terrain));
     for (const double tolerance : {0.0, 1e-300, 0.05, 1000.0}) {
-      expect_promise(database, database.extent(), tolerance, database.now.range(database.extent(), Metres{tolerance}));
+      expect_promise(database, database.extent(), tolerance,
+                     database.now.ask({.region = database.extent(), .tolerance = Metres{tolerance}}));
     }
   }
 }
@@ -341,7 +342,7 @@ TEST(Samples, OfASouthUpRasterStandNorthUp) {
 
 Mesh answer_for(Terrain terrain, double tolerance) {
   const Ingested database(raster_of(std::move(terrain), SampleType::int16));
-  const Answer answer = database.now.range(database.extent(), Metres{tolerance});
+  const Answer answer = database.now.ask({.region = database.extent(), .tolerance = Metres{tolerance}});
   expect_promise(database, database.extent(), tolerance, answer);
   return triangulate(answer.quadtree);
 }
@@ -381,7 +382,7 @@ TEST(Surfaces, ALineOfSamplesHasNoTriangles) {
 
 TEST(Surfaces, ARegionOfVoidsHasNoTriangles) {
   const Ingested database(raster_of(hole(sine_hills(64, 64), 10, 10, 50, 50), SampleType::int16));
-  const Mesh mesh = triangulate(database.now.range({{12, 15}, {48, 40}}, Metres{0}).quadtree);
+  const Mesh mesh = triangulate(database.now.ask({.region = {{12, 15}, {48, 40}}, .tolerance = Metres{0}}).quadtree);
   EXPECT_TRUE(mesh.triangles.empty());
   EXPECT_TRUE(mesh.points.empty());
 }

@@ -129,11 +129,11 @@ TEST(Ask, NoLevelBeyondTheOneAskedForAndATrueBound) {
       q.max_level = asked.random.between(0, finest_level(extent) + 1);
       const Answer answer = asked.now->ask(q);
       asked.expect_sound(q, answer);
-      const std::int32_t finest = std::max(1, root_side(extent) >> std::min(q.max_level + 1, 30));
+      const std::int32_t finest = std::max(1, root_side(extent) >> std::min(*q.max_level + 1, 30));
       Question coarse = q;
       coarse.tolerance = Metres{std::numeric_limits<double>::infinity()};
       std::set<std::pair<int, int>> border;
-      asked.now->range(q.region, coarse.tolerance).quadtree.vertices.for_each([&](GridPoint p) {
+      asked.now->ask({.region = q.region, .tolerance = coarse.tolerance}).quadtree.vertices.for_each([&](GridPoint p) {
         border.insert({p.col, p.row});
       });
       answer.quadtree.vertices.for_each([&](GridPoint p) {
@@ -226,7 +226,7 @@ TEST(Ask, ABudgetsToleranceIsTheSmallestOnTheLadderThatFits) {
       const GridRect region = random_region(asked.random, asked.raster.terrain);
       const bool by_triangles = asked.random.chance(0.4);
       const auto size_at = [&](ErrorCode code) -> std::uint64_t {
-        const Answer answer = asked.now->range(region, Metres{error_of(code)});
+        const Answer answer = asked.now->ask({.region = region, .tolerance = Metres{error_of(code)}});
         return by_triangles ? triangulate(answer.quadtree).triangles.size() : answer.quadtree.vertices.size();
       };
       const std::uint64_t least = size_at(kAlwaysSelected), most = size_at(0);
@@ -236,7 +236,8 @@ TEST(Ask, ABudgetsToleranceIsTheSmallestOnTheLadderThatFits) {
       if (asked_for == 0) continue;
       (by_triangles ? budget.triangles : budget.vertices) = asked_for;
       if (asked_for < least) {
-        EXPECT_THROW(static_cast<void>(asked.now->tolerance_for(region, budget)), Failure);
+        EXPECT_THROW(static_cast<void>(asked.now->ask({.region = region, .budget = budget}).quadtree.tolerance),
+                     Failure);
         continue;
       }
       int low = -1, high = kAlwaysSelected;  // the answer at `high` fits, at `low` it does not
@@ -244,7 +245,8 @@ TEST(Ask, ABudgetsToleranceIsTheSmallestOnTheLadderThatFits) {
         const int middle = (low + high) / 2;
         (size_at(static_cast<ErrorCode>(middle)) <= asked_for ? high : low) = middle;
       }
-      EXPECT_EQ(asked.now->tolerance_for(region, budget).value, error_of(static_cast<ErrorCode>(high)))
+      EXPECT_EQ(asked.now->ask({.region = region, .budget = budget}).quadtree.tolerance.value,
+                error_of(static_cast<ErrorCode>(high)))
           << asked.raster.description << ": " << asked_for << " of " << least << " to " << most
           << (by_triangles ? " triangles" : " vertices");
     }

@@ -38,7 +38,7 @@ TEST_P(RealModels, KeepThePromise) {
 
   std::size_t vertices = ~std::size_t{0};
   for (const double tolerance : {0.0, 0.5, 1.0, 5.0, 20.0}) {
-    const Answer answer = now.range(extent, Metres{tolerance});
+    const Answer answer = now.ask({.region = extent, .tolerance = Metres{tolerance}});
     const Mesh mesh = triangulate(answer.quadtree);
     const auto report = check_mesh(mesh, raster, now.description().metres_per_unit, tolerance);
     EXPECT_TRUE(report.sound()) << "at " << tolerance << " m: " << report.summary();

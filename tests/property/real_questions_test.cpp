@@ -108,7 +108,7 @@ TEST_P(RealQuestions, Constrained) {
   for (int i = 0; i < cases() && !HasFailure(); ++i) {
     const GridRect region = random_rect(1);
     const double tolerance = random_metres();
-    const Mesh mesh = triangulate(now_->range(region, Metres{tolerance}).quadtree);
+    const Mesh mesh = triangulate(now_->ask({.region = region, .tolerance = Metres{tolerance}}).quadtree);
     const OracleReport report = check_mesh(mesh, raster_, metres_per_unit_, tolerance);
     EXPECT_TRUE(report.sound()) << name(region, tolerance) << ": " << report.summary();
     expect_filled(
@@ -186,8 +186,8 @@ TEST_P(RealQuestions, NeighboursMeetAtOneToleranceAndAtTwo) {
       EXPECT_TRUE(report.sound()) << name(both, tolerance) << " column " << one.last.col << ": " << report.summary();
     };
     const double tolerance = random_metres(), coarser = tolerance + random_metres();
-    expect_joined(now_->range(one, Metres{tolerance}).quadtree, now_->range(other, Metres{tolerance}).quadtree,
-                  tolerance);
+    expect_joined(now_->ask({.region = one, .tolerance = Metres{tolerance}}).quadtree,
+                  now_->ask({.region = other, .tolerance = Metres{tolerance}}).quadtree, tolerance);
 
     std::vector<Question> patches(2);
     patches[0].region = one;

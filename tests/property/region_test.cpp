@@ -25,7 +25,7 @@ class Region : public ::testing::Test {
 
   Cause refused(const Rectangle& rectangle) {
     try {
-      static_cast<void>(now_.region(rectangle));
+      static_cast<void>(now_.region(rectangle).samples);
     } catch (const Failure& failure) {
       EXPECT_STRNE(failure.what(), "");
       return failure.cause();
@@ -35,23 +35,25 @@ class Region : public ::testing::Test {
   }
 };
 
-TEST_F(Region, OnSamplesIsThoseSamples) { EXPECT_EQ(now_.region({125, 865, 245, 965}), (GridRect{{2, 3}, {14, 13}})); }
+TEST_F(Region, OnSamplesIsThoseSamples) {
+  EXPECT_EQ(now_.region({125, 865, 245, 965}).samples, (GridRect{{2, 3}, {14, 13}}));
+}
 
 TEST_F(Region, BetweenSamplesGoesOutward) {
-  EXPECT_EQ(now_.region({126, 866, 244, 964}), (GridRect{{2, 3}, {14, 13}}));
-  EXPECT_EQ(now_.region({124, 864, 246, 966}), (GridRect{{1, 2}, {15, 14}}));
+  EXPECT_EQ(now_.region({126, 866, 244, 964}).samples, (GridRect{{2, 3}, {14, 13}}));
+  EXPECT_EQ(now_.region({124, 864, 246, 966}).samples, (GridRect{{1, 2}, {15, 14}}));
 }
 
 TEST_F(Region, WithinAMillionthOfACellIsOnTheLine) {
   const double less = 9e-6, more = 1.1e-5;  // cells are ten wide
-  EXPECT_EQ(now_.region({125 - less, 865 - less, 245 + less, 965 + less}), (GridRect{{2, 3}, {14, 13}}));
-  EXPECT_EQ(now_.region({125 - more, 865 - more, 245 + more, 965 + more}), (GridRect{{1, 2}, {15, 14}}));
+  EXPECT_EQ(now_.region({125 - less, 865 - less, 245 + less, 965 + less}).samples, (GridRect{{2, 3}, {14, 13}}));
+  EXPECT_EQ(now_.region({125 - more, 865 - more, 245 + more, 965 + more}).samples, (GridRect{{1, 2}, {15, 14}}));
 }
 
 TEST_F(Region, IsClippedToTheRaster) {
-  EXPECT_EQ(now_.region({-1e9, -1e9, 1e9, 1e9}), (GridRect{{0, 0}, {39, 29}}));
-  EXPECT_EQ(now_.region({-1e300, -1e300, 1e300, 1e300}), (GridRect{{0, 0}, {39, 29}}));
-  EXPECT_EQ(now_.region({100, 700, 500, 1000}), (GridRect{{0, 0}, {39, 29}}));
+  EXPECT_EQ(now_.region({-1e9, -1e9, 1e9, 1e9}).samples, (GridRect{{0, 0}, {39, 29}}));
+  EXPECT_EQ(now_.region({-1e300, -1e300, 1e300, 1e300}).samples, (GridRect{{0, 0}, {39, 29}}));
+  EXPECT_EQ(now_.region({100, 700, 500, 1000}).samples, (GridRect{{0, 0}, {39, 29}}));
 }
 
 TEST_F(Region, OutsideSwappedOrNaNIsRefused) {
@@ -66,16 +68,16 @@ TEST_F(Region, OutsideSwappedOrNaNIsRefused) {
 
 TEST_F(Region, OutsideTheExtentIsRefusedByRangeAndSamples) {
   const GridRect outside{{0, 0}, {40, 29}}, empty{{5, 5}, {4, 8}};
-  EXPECT_THROW(static_cast<void>(now_.range(outside, Metres{1})), Failure);
-  EXPECT_THROW(static_cast<void>(now_.range(empty, Metres{1})), Failure);
+  EXPECT_THROW(static_cast<void>(now_.ask({.region = outside, .tolerance = Metres{1}})), Failure);
+  EXPECT_THROW(static_cast<void>(now_.ask({.region = empty, .tolerance = Metres{1}})), Failure);
   EXPECT_THROW(static_cast<void>(now_.samples(outside)), Failure);
-  EXPECT_THROW(static_cast<void>(now_.range({{0, 0}, {39, 29}}, Metres{-1})), Failure);
-  EXPECT_THROW(static_cast<void>(now_.range({{0, 0}, {39, 29}}, Metres{NAN})), Failure);
+  EXPECT_THROW(static_cast<void>(now_.ask({.region = {{0, 0}, {39, 29}}, .tolerance = Metres{-1}})), Failure);
+  EXPECT_THROW(static_cast<void>(now_.ask({.region = {{0, 0}, {39, 29}}, .tolerance = Metres{NAN}})), Failure);
 }
 
 TEST_F(Region, OfTheMeshIsThatOfTheRectangle) {
   const Rectangle rectangle{126, 866, 244, 964};
-  EXPECT_EQ(now_.mesh(rectangle, Metres{2}).region, now_.region(rectangle));
+  EXPECT_EQ(now_.mesh(rectangle, Metres{2}).region, now_.region(rectangle).samples);
 }
 
 }  // namespace

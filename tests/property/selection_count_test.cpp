@@ -177,7 +177,7 @@ TEST_P(Selection, IsTheExactNestedSet) {
   const NestedSet nested(terrain);
   const BorderSet border(cells);
   for (const double tolerance : {0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.3, 1.7, 50.0}) {
-    const Answer answer = now.range(now.description().extent, Metres{tolerance});
+    const Answer answer = now.ask({.region = now.description().extent, .tolerance = Metres{tolerance}});
     std::size_t wanted = 0, missing = 0, extra = 0;
     for (int y = 0; y <= cells; ++y) {
       for (int x = 0; x <= cells; ++x) {

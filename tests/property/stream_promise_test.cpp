@@ -46,12 +46,19 @@ void expect_within(const Case& c, const RestrictedQuadtree& q, double bound, boo
 }
 
 Answer asked(const Snapshot& now, GridRect region, Metres tolerance, Heights heights, Metres quantum) {
-  return heights == Heights::exact           ? now.range(region, tolerance)
-         : heights == Heights::quantised     ? now.quantised(region, tolerance, quantum)
-         : heights == Heights::dense         ? now.dense(region, tolerance)
-         : heights == Heights::fitted        ? now.fitted(region, tolerance)
-         : heights == Heights::finely_fitted ? now.fitted(region, tolerance, Metres{tolerance.value / 20})
-                                             : now.bounded(region, tolerance);
+  return heights == Heights::exact       ? now.ask({.region = region, .tolerance = tolerance})
+         : heights == Heights::quantised ? now.ask({.region = region,
+                                                    .tolerance = tolerance,
+                                                    .heights = {.kind = HeightKind::bounded, .quantum = quantum}})
+         : heights == Heights::dense
+             ? now.ask({.region = region, .tolerance = tolerance, .heights = {.kind = HeightKind::dense}})
+         : heights == Heights::fitted
+             ? now.ask({.region = region, .tolerance = tolerance, .heights = {.kind = HeightKind::fitted}})
+         : heights == Heights::finely_fitted
+             ? now.ask({.region = region,
+                        .tolerance = tolerance,
+                        .heights = {.kind = HeightKind::fitted, .quantum = Metres{tolerance.value / 20}}})
+             : now.ask({.region = region, .tolerance = tolerance, .heights = {.kind = HeightKind::bounded}});
 }
 
 /// One stream and all its prefixes.
@@ -157,7 +164,7 @@ TEST(FittedHeights, KeepTheBoundWhateverTheQuantum) {
   write_raster(terrain, folder / "a.tif", {});
   ingest(folder / "a.tif", folder / "a.talus");
   IngestOptions rounded;
-  rounded.inputs.height_step = 4;
+  rounded.inputs.height_step = Metres{4};
   ingest(folder / "a.tif", folder / "rounded.talus", rounded);
   for (const char* name : {"a.talus", "rounded.talus"}) {
     const Snapshot now = Database::open(folder / name).snapshot();
@@ -167,7 +174,9 @@ TEST(FittedHeights, KeepTheBoundWhateverTheQuantum) {
         SCOPED_TRACE(::testing::Message() << name << ", " << tolerance << " m by " << quantum);
         std::optional<Answer> answer;
         try {
-          answer = now.fitted(all, Metres{tolerance}, Metres{quantum});
+          answer = now.ask({.region = all,
+                            .tolerance = Metres{tolerance},
+                            .heights = {.kind = HeightKind::fitted, .quantum = Metres{quantum}}});
         } catch (const Failure& refused) {
           EXPECT_EQ(refused.cause(), Cause::invalid_argument);
           EXPECT_TRUE(quantum > tolerance || tolerance <= 2 + quantum) << refused.what();
@@ -217,18 +226,36 @@ TEST(BoundedHeights, OfOneQuantumMergeToTheAnswerAskedInOneGo) {
     const Metres quantum{random.log_between(0.05, 5)};
     const Metres chain[] = {Metres{kInfinity}, Metres{quantum.value * 8}, Metres{quantum.value * 3},
                             Metres{quantum.value / 2}};
-    RestrictedQuadtree client = now.quantised(region, chain[0], quantum).quadtree;
+    RestrictedQuadtree client =
+        now.ask({.region = region, .tolerance = chain[0], .heights = {.kind = HeightKind::bounded, .quantum = quantum}})
+            .quadtree;
     for (std::size_t step = 1; step < 4; ++step) {
-      const Increment more = now.quantised_increment(region, chain[step - 1], chain[step], quantum);
+      const Increment more = increment_of(now.ask({.region = region,
+                                                   .tolerance = chain[step],
+                                                   .from = chain[step - 1],
+                                                   .heights = {.kind = HeightKind::bounded, .quantum = quantum}}));
       const Bytes bytes = encode({now.description(), more}, {}, &client);
       client = merge(client, std::get<Increment>(decode_stream(bytes, {}, &client).content));
-      ASSERT_EQ(difference(client, now.quantised(region, chain[step], quantum).quadtree), "");
+      ASSERT_EQ(difference(client, now.ask({.region = region,
+                                            .tolerance = chain[step],
+                                            .heights = {.kind = HeightKind::bounded, .quantum = quantum}})
+                                       .quadtree),
+                "");
     }
     // What does not belong together stays apart.
-    const Increment exact = now.increment(region, chain[1], chain[3]);
-    EXPECT_THROW(static_cast<void>(merge(now.quantised(region, chain[1], quantum).quadtree, exact)), Failure);
+    const Increment exact = increment_of(now.ask({.region = region, .tolerance = chain[3], .from = chain[1]}));
+    EXPECT_THROW(static_cast<void>(merge(now.ask({.region = region,
+                                                  .tolerance = chain[1],
+                                                  .heights = {.kind = HeightKind::bounded, .quantum = quantum}})
+                                             .quadtree,
+                                         exact)),
+                 Failure);
     EXPECT_THROW(static_cast<void>(encode({now.description(), exact}, {}, &client)), Failure);
-    EXPECT_THROW(static_cast<void>(merge(now.bounded(region, chain[1]).quadtree, exact)), Failure);
+    EXPECT_THROW(
+        static_cast<void>(
+            merge(now.ask({.region = region, .tolerance = chain[1], .heights = {.kind = HeightKind::bounded}}).quadtree,
+                  exact)),
+        Failure);
   }
 }
 
@@ -238,24 +265,55 @@ TEST(BoundedHeights, RefuseWhatTheyCannotKeep) {
   ingest(folder / "a.tif", folder / "a.talus");
   const Snapshot now = Database::open(folder / "a.talus").snapshot();
   const GridRect all = now.description().extent;
-  EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{0})), Failure);
-  EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{kInfinity})), Failure);
-  EXPECT_THROW(static_cast<void>(now.dense(all, Metres{0})), Failure);
-  EXPECT_THROW(static_cast<void>(now.dense(all, Metres{kInfinity})), Failure);
-  EXPECT_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{12})), Failure);
-  EXPECT_NO_THROW(static_cast<void>(now.bounded(all, Metres{5}, Metres{11})))
+  EXPECT_THROW(
+      static_cast<void>(now.ask({.region = all, .tolerance = Metres{0}, .heights = {.kind = HeightKind::bounded}})),
+      Failure);
+  EXPECT_THROW(static_cast<void>(
+                   now.ask({.region = all, .tolerance = Metres{kInfinity}, .heights = {.kind = HeightKind::bounded}})),
+               Failure);
+  EXPECT_THROW(
+      static_cast<void>(now.ask({.region = all, .tolerance = Metres{0}, .heights = {.kind = HeightKind::dense}})),
+      Failure);
+  EXPECT_THROW(static_cast<void>(
+                   now.ask({.region = all, .tolerance = Metres{kInfinity}, .heights = {.kind = HeightKind::dense}})),
+               Failure);
+  EXPECT_THROW(
+      static_cast<void>(now.ask(
+          {.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded, .quantum = Metres{12}}})),
+      Failure);
+  EXPECT_NO_THROW(static_cast<void>(now.ask(
+      {.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded, .quantum = Metres{11}}})))
       << "whole numbers lie at most 5 from a multiple of 11";
-  EXPECT_THROW(static_cast<void>(now.quantised(all, Metres{5}, Metres{0})), Failure);
-  EXPECT_THROW(static_cast<void>(now.quantised(all, Metres{1}, Metres{5})), Failure);
-  EXPECT_THROW(static_cast<void>(now.quantised_increment(all, Metres{5}, Metres{1}, Metres{5})), Failure);
+  EXPECT_THROW(
+      static_cast<void>(now.ask(
+          {.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded, .quantum = Metres{0}}})),
+      Failure);
+  EXPECT_THROW(
+      static_cast<void>(now.ask(
+          {.region = all, .tolerance = Metres{1}, .heights = {.kind = HeightKind::bounded, .quantum = Metres{5}}})),
+      Failure);
+  EXPECT_THROW(
+      static_cast<void>(increment_of(now.ask({.region = all,
+                                              .tolerance = Metres{1},
+                                              .from = Metres{5},
+                                              .heights = {.kind = HeightKind::bounded, .quantum = Metres{5}}}))),
+      Failure);
   IngestOptions lossy;
-  lossy.finest_tolerance = 2;
+  lossy.finest_tolerance = Metres{2};
   ingest(folder / "a.tif", folder / "b.talus", lossy);
   const Snapshot kept = Database::open(folder / "b.talus").snapshot();
-  EXPECT_THROW(static_cast<void>(kept.bounded(all, Metres{5})), Failure);
-  EXPECT_EQ(kept.dense(all, Metres{5}).quadtree.origin.quantum, Metres{7}) << "2 m of the 5 are lost already";
-  EXPECT_EQ(now.dense(all, Metres{5}).quadtree.origin.quantum, Metres{11});
-  EXPECT_EQ(now.dense(all, Metres{0.5}).quadtree.heights, now.range(all, Metres{0.5}).quadtree.heights);
+  EXPECT_THROW(
+      static_cast<void>(kept.ask({.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded}})),
+      Failure);
+  EXPECT_EQ(
+      kept.ask({.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::dense}}).quadtree.origin.quantum,
+      Metres{7})
+      << "2 m of the 5 are lost already";
+  EXPECT_EQ(
+      now.ask({.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::dense}}).quadtree.origin.quantum,
+      Metres{11});
+  EXPECT_EQ(now.ask({.region = all, .tolerance = Metres{0.5}, .heights = {.kind = HeightKind::dense}}).quadtree.heights,
+            now.ask({.region = all, .tolerance = Metres{0.5}}).quadtree.heights);
 }
 
 class StreamsOfRealModels : public ::testing::TestWithParam<const char*> {};
@@ -270,8 +328,9 @@ TEST_P(StreamsOfRealModels, KeepThePromise) {
   const GridRect extent = now.description().extent;
   for (const double tolerance : {1.0, 5.0, 20.0}) {
     const Case c{now, terrain, {}, tolerance};
-    const RestrictedQuadtree exact = now.range(extent, Metres{tolerance}).quadtree;
-    const RestrictedQuadtree bounded = now.bounded(extent, Metres{tolerance}).quadtree;
+    const RestrictedQuadtree exact = now.ask({.region = extent, .tolerance = Metres{tolerance}}).quadtree;
+    const RestrictedQuadtree bounded =
+        now.ask({.region = extent, .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::bounded}}).quadtree;
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       StreamOptions options;
       options.profile = profile;

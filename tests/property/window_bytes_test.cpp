@@ -26,7 +26,7 @@ void expect_small_windows(const std::filesystem::path& database, const Terrain& 
     if (i == 2) first = {extent.last.col / 2 / 512 * 512 - 32, extent.last.row / 2 / 512 * 512 - 32};  // across corners
     const GridRect window{first, {first.col + side - 1, first.row + side - 1}};
     for (const double tolerance : {0.0, 1.0, 10.0}) {
-      const Answer answer = now.range(window, Metres{tolerance});
+      const Answer answer = now.ask({.region = window, .tolerance = Metres{tolerance}});
       EXPECT_GT(answer.cost.pages_read, 0u);
       const double share = static_cast<double>(answer.cost.bytes_read) / static_cast<double>(storage.page_bytes);
       largest = std::max(largest, share);

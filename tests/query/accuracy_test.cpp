@@ -75,7 +75,7 @@ class Accuracy : public ::testing::Test {
       PlainErrors errors;
       double bound = 0;
       for (const GridRect& window : report.windows) {
-        const RestrictedQuadtree answer = now.range(window, point.tolerance).quadtree;
+        const RestrictedQuadtree answer = now.ask({.region = window, .tolerance = point.tolerance}).quadtree;
         const Mesh mesh = triangulate(answer);
         vertices.push_back(mesh.points.size());
         triangles.push_back(mesh.triangles.size());
@@ -170,7 +170,8 @@ TEST_F(Accuracy, TheStepsReachFromTheFirstVertexToTheLast) {
   const AccuracyReport report = measure_accuracy(file);
   const Snapshot now = Database::open(file).snapshot();
   const auto vertices = [&](double tolerance) {
-    return static_cast<double>(now.range(report.windows.front(), Metres{tolerance}).quadtree.vertices.size());
+    return static_cast<double>(
+        now.ask({.region = report.windows.front(), .tolerance = Metres{tolerance}}).quadtree.vertices.size());
   };
   const double border = vertices(std::numeric_limits<double>::infinity()), all = vertices(0);
   EXPECT_LE(static_cast<double>(report.points.front().vertices), 0.5 * all);
@@ -203,7 +204,7 @@ TEST_F(Accuracy, ErrorsAreAgainstTheTruthThatWasGiven) {
 
 TEST_F(Accuracy, WithoutAllSamplesErrorsAreNotKnown) {
   IngestOptions kept;
-  kept.finest_tolerance = 5;
+  kept.finest_tolerance = Metres{5};
   make(fit(fractal(150, 90, 3, 700), SampleType::int16), kept);
   const AccuracyReport report = measure_accuracy(file);
   EXPECT_FALSE(report.has_truth);

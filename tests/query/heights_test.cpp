@@ -94,7 +94,7 @@ TEST(Heights, AreBilinearBetweenTheSamplesOfAnyRaster) {
       if (i < 20) expect_same(now.height(points[i].x, points[i].y), found[i], places[i].col, places[i].row, "alone");
       const bool inside = places[i].col >= 0 && places[i].row >= 0 && places[i].col <= truth.cols - 1 &&
                           places[i].row <= truth.rows - 1;
-      EXPECT_EQ(now.is_inside(points[i]), inside);
+      EXPECT_EQ(is_inside(now, points[i]), inside);
     }
     if (HasFatalFailure()) return;
   }
@@ -134,7 +134,7 @@ TEST(Heights, OfNoNumberOrBeyondTheSamplesAreNothing) {
                            {1, -7.6}}) {
     EXPECT_EQ(now.height(p.x, p.y), std::nullopt) << p.x << " " << p.y;
     EXPECT_EQ(now.height(p.x, p.y, Metres{1}), std::nullopt) << p.x << " " << p.y;
-    EXPECT_FALSE(now.is_inside(p));
+    EXPECT_FALSE(is_inside(now, p));
   }
 }
 
@@ -177,7 +177,7 @@ TEST(Heights, OfASurfaceAreThoseOfTheMeshWhateverTheRaster) {
     Random random(static_cast<std::uint64_t>(seed) + 7);
     for (int round = 0; round < 3; ++round) {
       const Metres tolerance{random_tolerance(random)};
-      const SurfaceOfMesh surface(triangulate(now.range(d.extent, tolerance).quadtree));
+      const SurfaceOfMesh surface(triangulate(now.ask({.region = d.extent, .tolerance = tolerance}).quadtree));
       std::vector<Position> points;
       std::vector<MeshPlace> places;
       for (int i = 0; i < 300; ++i) {
@@ -188,7 +188,7 @@ TEST(Heights, OfASurfaceAreThoseOfTheMeshWhateverTheRaster) {
                           near_line((points.back().y - d.mapping.y0) / d.mapping.dy)});
       }
       std::vector<std::optional<double>> found(points.size());
-      now.heights(points, tolerance, found);
+      now.heights(points, found, tolerance);
       for (std::size_t i = 0; i < points.size(); ++i) {
         if (surface.is_doubtful(places[i])) continue;
         expect_same(found[i], surface.height(places[i]), places[i].col, places[i].row,
@@ -209,7 +209,7 @@ TEST(Heights, OfASurfaceAreWithinTheToleranceOfSamples) {
   }
   std::vector<std::optional<double>> found(points.size());
   for (const double tolerance : {0.0, 0.5, 3.0, 50.0, 1e9}) {
-    now.heights(points, Metres{tolerance}, found);
+    now.heights(points, found, Metres{tolerance});
     for (std::size_t i = 0; i < points.size(); ++i) {
       ASSERT_TRUE(found[i]);
       ASSERT_LE(std::abs(*found[i] - terrain.values[i]), tolerance + 1e-9);
@@ -221,7 +221,7 @@ TEST(Heights, OfADatabaseOfATolerancesVerticesAreTheSurfacesOnly) {
   const Terrain terrain = fit(random_voids(fractal(500, 400, 9), 0.001, 3), SampleType::int16);
   const TempFolder folder;
   IngestOptions options;
-  options.finest_tolerance = 4;
+  options.finest_tolerance = Metres{4};
   const Snapshot now = snapshot_of(terrain, folder, {}, options);
   try {
     static_cast<void>(now.height(3, -3));

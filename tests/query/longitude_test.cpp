@@ -50,7 +50,7 @@ TEST(Longitudes, APointIsAnsweredOnEveryTurn) {
       const double x = at.west + (col + 0.5) * at.cell, y = at.north - (row + 0.5) * at.cell;
       for (const int turns : {-3, -1, 0, 1, 2}) {
         const double written = x + turns * at.turn;
-        EXPECT_TRUE(now.is_inside({written, y}));
+        EXPECT_TRUE(is_inside(now, {written, y}));
         const auto found = now.height(written, y);
         ASSERT_EQ(found.has_value(), terrain.is_valid(col, row)) << written;
         if (found) {
@@ -58,7 +58,7 @@ TEST(Longitudes, APointIsAnsweredOnEveryTurn) {
         }
         EXPECT_EQ(now.height(written, y, Metres{20}), now.height(x, y, Metres{20}));
       }
-      EXPECT_FALSE(now.is_inside({x + at.turn / 2, y}));
+      EXPECT_FALSE(is_inside(now, {x + at.turn / 2, y}));
       EXPECT_FALSE(now.height(x + at.turn / 2, y).has_value());
     }
   }
@@ -77,24 +77,25 @@ TEST(Longitudes, ABoxIsAnsweredOnEveryTurn) {
     const double west = at.west + 0.5, east = at.west + 1.51;
     for (const int turns : {-2, -1, 0, 1}) {
       const Rectangle box{west + turns * at.turn, south, east + turns * at.turn, north};
-      EXPECT_EQ(now.region(box), expected) << turns;
-      EXPECT_FALSE(now.is_cut(box));
-      const Frame frame = now.frame(box), plain = now.frame({west, south, east, north});
+      EXPECT_EQ(now.region(box).samples, expected) << turns;
+      EXPECT_FALSE(now.region(box).is_cut);
+      const Frame frame = now.region(box).frame, plain = now.region({west, south, east, north}).frame;
       EXPECT_NEAR(frame.west, plain.west, 1e-6);
       EXPECT_NEAR(frame.east, plain.east, 1e-6);
       EXPECT_EQ(now.mesh(box, Metres{5}).triangles, now.mesh({west, south, east, north}, Metres{5}).triangles);
     }
     // West and east on turns of their own, as ±180 and less are written: xmin > xmax.
-    EXPECT_EQ(now.region({west, south, east - at.turn, north}), expected);
-    EXPECT_THROW(static_cast<void>(now.region({east, south, west, north})), Failure) << "swapped";
-    EXPECT_THROW(static_cast<void>(now.region({west + at.turn / 2, south, east + at.turn / 2, north})), Failure);
-    EXPECT_EQ(now.region({-3 * at.turn, south, at.turn, north}).cols(), 200) << "all longitudes";
+    EXPECT_EQ(now.region({west, south, east - at.turn, north}).samples, expected);
+    EXPECT_THROW(static_cast<void>(now.region({east, south, west, north}).samples), Failure) << "swapped";
+    EXPECT_THROW(static_cast<void>(now.region({west + at.turn / 2, south, east + at.turn / 2, north}).samples),
+                 Failure);
+    EXPECT_EQ(now.region({-3 * at.turn, south, at.turn, north}).samples.cols(), 200) << "all longitudes";
     // Cut boxes say so, those of the outermost cells are none.
-    EXPECT_FALSE(now.is_cut({at.west, at.north - 1, at.west + 2, at.north}));
-    EXPECT_TRUE(now.is_cut({at.west - 0.02 + at.turn, south, east + at.turn, north}));
-    EXPECT_TRUE(now.is_cut({west, south, at.west + 2.02, north}));
-    EXPECT_TRUE(now.is_cut({west, at.north - 1.02, east, north}));
-    EXPECT_TRUE(now.is_cut({west, south, east, at.north + 0.02}));
+    EXPECT_FALSE(now.region({at.west, at.north - 1, at.west + 2, at.north}).is_cut);
+    EXPECT_TRUE(now.region({at.west - 0.02 + at.turn, south, east + at.turn, north}).is_cut);
+    EXPECT_TRUE(now.region({west, south, at.west + 2.02, north}).is_cut);
+    EXPECT_TRUE(now.region({west, at.north - 1.02, east, north}).is_cut);
+    EXPECT_TRUE(now.region({west, south, east, at.north + 0.02}).is_cut);
   }
 }
 
@@ -162,15 +163,15 @@ TEST(Longitudes, AWholeGlobeAnswersWhatItAnswered) {
   EXPECT_EQ(inclusive.height(179, 10), terrain.at(359, 80));
   EXPECT_EQ(inclusive.height(-181, 10), terrain.at(359, 80));
   EXPECT_EQ(inclusive.height(190, 10), terrain.at(10, 80));
-  EXPECT_EQ(inclusive.region({-180, -90, 180, 90}), inclusive.description().extent);
-  EXPECT_EQ(inclusive.region({-200, -90, 200, 90}), inclusive.description().extent);
-  EXPECT_EQ(inclusive.region({0, -90, 360, 90}), inclusive.description().extent);
-  EXPECT_EQ(inclusive.region({-180, 0, -170, 10}).cols(), 11);
-  EXPECT_EQ(inclusive.region({170, 0, 180, 10}).first.col, inclusive.description().extent.first.col + 350);
-  EXPECT_EQ(inclusive.region({190, 0, 200, 10}).first.col, inclusive.description().extent.first.col + 10);
-  EXPECT_FALSE(inclusive.is_cut({-180, -90, 180, 90}));
+  EXPECT_EQ(inclusive.region({-180, -90, 180, 90}).samples, inclusive.description().extent);
+  EXPECT_EQ(inclusive.region({-200, -90, 200, 90}).samples, inclusive.description().extent);
+  EXPECT_EQ(inclusive.region({0, -90, 360, 90}).samples, inclusive.description().extent);
+  EXPECT_EQ(inclusive.region({-180, 0, -170, 10}).samples.cols(), 11);
+  EXPECT_EQ(inclusive.region({170, 0, 180, 10}).samples.first.col, inclusive.description().extent.first.col + 350);
+  EXPECT_EQ(inclusive.region({190, 0, 200, 10}).samples.first.col, inclusive.description().extent.first.col + 10);
+  EXPECT_FALSE(inclusive.region({-180, -90, 180, 90}).is_cut);
   try {
-    static_cast<void>(inclusive.region({175, 0, -175, 10}));
+    static_cast<void>(inclusive.region({175, 0, -175, 10}).samples);
     FAIL() << "both ends in one rectangle";
   } catch (const Failure& failure) {
     EXPECT_NE(std::string(failure.what()).find("175,0,180,10"), std::string::npos) << failure.what();
@@ -193,11 +194,11 @@ TEST(Longitudes, OtherCrsHaveNoTurn) {
   const TempFolder folder;
   for (const char* crs : {"EPSG:32632", ""}) {
     const Snapshot now = snapshot_of(terrain, {100, 52, 0.01, crs, 360}, folder);
-    EXPECT_TRUE(now.is_inside({101, 51.5}));
-    EXPECT_FALSE(now.is_inside({101 - 360, 51.5}));
+    EXPECT_TRUE(is_inside(now, {101, 51.5}));
+    EXPECT_FALSE(is_inside(now, {101 - 360, 51.5}));
     EXPECT_FALSE(now.height(101 + 360, 51.5).has_value());
-    EXPECT_THROW(static_cast<void>(now.region({100.5 - 360, 51.2, 101.5 - 360, 51.5})), Failure);
-    EXPECT_THROW(static_cast<void>(now.region({101.5, 51.2, 100.5, 51.5})), Failure);
+    EXPECT_THROW(static_cast<void>(now.region({100.5 - 360, 51.2, 101.5 - 360, 51.5}).samples), Failure);
+    EXPECT_THROW(static_cast<void>(now.region({101.5, 51.2, 100.5, 51.5}).samples), Failure);
     EXPECT_EQ(now.profile(std::vector<Position>{{101, 51.5}, {-259, 51.5}}, Metres{5}).length_m, 360);
   }
 }
@@ -208,10 +209,10 @@ TEST(Longitudes, NumbersFarOutEndInAnAnswer) {
   for (const double far : {1e6, 1e17, 1e200, 1.7e308}) {
     for (const double x : {far, -far}) {
       static_cast<void>(now.height(x, 51.5));
-      static_cast<void>(now.is_inside({x, 51.5}));
-      EXPECT_NO_THROW(static_cast<void>(now.region({-far, 51.2, far, 51.8})));
+      static_cast<void>(is_inside(now, {x, 51.5}));
+      EXPECT_NO_THROW(static_cast<void>(now.region({-far, 51.2, far, 51.8}).samples));
       try {
-        static_cast<void>(now.region({x, 51.2, x + 1, 51.8}));
+        static_cast<void>(now.region({x, 51.2, x + 1, 51.8}).samples);
       } catch (const Failure&) {
       }
       static_cast<void>(now.profile(std::vector<Position>{{x, 51.5}, {180, 51.5}, {-x / 2, 51}}, Metres{5}));

@@ -164,7 +164,7 @@ TEST_F(Fates, OfARectangleAndOfAnIncrementAreThoseOfEveryStoredPage) {
     const GridRect region = random_region(random, terrain);
     const double tolerance = i % 10 == 0 ? std::numeric_limits<double>::infinity() : random.log_between(0.3, 100);
     SCOPED_TRACE(std::to_string(i) + ": at " + std::to_string(tolerance));
-    const QueryCost cost = now->range(region, Metres{tolerance}).cost;
+    const QueryCost cost = now->ask({.region = region, .tolerance = Metres{tolerance}}).cost;
     expect_same(cost.bands, expected.of(region, tolerance, border_vertices(region, root)));
     expect_sums(cost);
     for (const BandCost& band : cost.bands) {
@@ -174,7 +174,8 @@ TEST_F(Fates, OfARectangleAndOfAnIncrementAreThoseOfEveryStoredPage) {
       seen.in_region += band.unasked();
     }
     const double finer = tolerance < 1000 ? tolerance : 1;
-    const QueryCost increment = now->increment(region, Metres{2 * finer}, Metres{finer}).cost;
+    const QueryCost increment =
+        increment_of(now->ask({.region = region, .tolerance = Metres{finer}, .from = Metres{2 * finer}})).cost;
     expect_sums(increment);
     expect_same(increment.bands, expected.of(region, finer, {}));
     if (HasFailure()) return;
@@ -186,8 +187,8 @@ TEST_F(Fates, OfARectangleAndOfAnIncrementAreThoseOfEveryStoredPage) {
 TEST_F(Fates, AreTheSameWhoeverCounts) {
   const Snapshot several = Database::open(folder / "a.talus", {.threads = 4}).snapshot();
   for (const double tolerance : {2.0, 60.0}) {
-    const QueryCost cost = several.range(extent(), Metres{tolerance}).cost;
-    expect_same(cost.bands, now->range(extent(), Metres{tolerance}).cost.bands);
+    const QueryCost cost = several.ask({.region = extent(), .tolerance = Metres{tolerance}}).cost;
+    expect_same(cost.bands, now->ask({.region = extent(), .tolerance = Metres{tolerance}}).cost.bands);
     expect_sums(cost);
   }
 }
@@ -232,9 +233,9 @@ TEST_F(Fates, OfOtherQuestionsAddUp) {
     expect_sums(cost);
     for (std::size_t band = 0; band + 1 < cost.bands.size(); ++band) {
       // Level l has the spacing root / 2^(l + 1); a page's coarsest vertices stand four of its samples apart.
-      const bool is_too_fine =
-          q.max_level < 31 && 4 * cost.bands[band].spacing < root_side(extent()) >> (q.max_level + 1);
-      EXPECT_EQ(is_too_fine ? cost.bands[band].below_tolerance : cost.bands[band].too_fine, 0u) << q.max_level;
+      const bool is_too_fine = q.max_level && 4 * cost.bands[band].spacing < root_side(extent()) >> (*q.max_level + 1);
+      EXPECT_EQ(is_too_fine ? cost.bands[band].below_tolerance : cost.bands[band].too_fine, 0u)
+          << q.max_level.value_or(31);
     }
   }
 }

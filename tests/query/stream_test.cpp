@@ -44,8 +44,8 @@ TEST(Streams, AreReadBackBitForBit) {
     Random random(seed);
     const GridRect region = random_region(random, raster.terrain);
     const Metres to{random.log_between(0.01, 50)}, from{to.value * (1 + random.unit())};
-    const RestrictedQuadtree answer = now.range(region, from).quadtree;
-    const Increment increment = now.increment(region, from, to);
+    const RestrictedQuadtree answer = now.ask({.region = region, .tolerance = from}).quadtree;
+    const Increment increment = increment_of(now.ask({.region = region, .tolerance = to, .from = from}));
     const Bytes first = encode({now.description(), answer}),
                 second = encode({now.description(), increment}, {}, &answer);
     const Stream a = decode_stream(first), b = decode_stream(second, {}, &answer);
@@ -54,7 +54,8 @@ TEST(Streams, AreReadBackBitForBit) {
     ASSERT_EQ(difference(answer_back, answer), "");
     ASSERT_EQ(difference(increment_back.added, increment.added), "");
     EXPECT_EQ(increment_back.from, from);
-    EXPECT_EQ(difference(merge(answer_back, increment_back), now.range(region, to).quadtree), "");
+    EXPECT_EQ(difference(merge(answer_back, increment_back), now.ask({.region = region, .tolerance = to}).quadtree),
+              "");
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::small}) {
       StreamOptions options;
       options.profile = profile;
@@ -98,7 +99,7 @@ TEST(Streams, OfWhichOnlyWholePartsArrivedAreQuadtreesWithTheirBound) {
   const Terrain terrain = small();
   const Made made(terrain);
   const Snapshot now = made.now();
-  const RestrictedQuadtree answer = now.range(now.description().extent, Metres{2}).quadtree;
+  const RestrictedQuadtree answer = now.ask({.region = now.description().extent, .tolerance = Metres{2}}).quadtree;
   const Bytes bytes = encode({now.description(), answer});
   const Progression levels(answer);
   std::size_t parts = 0;
@@ -154,15 +155,18 @@ std::vector<Example> examples() {
   cover.tolerance = Metres{5};
   cover.border = Border::cover;
   const GridRect region{{3, 3}, {36, 30}};
-  const RestrictedQuadtree base = now.range(region, Metres{10}).quadtree, finer = now.range(region, Metres{3}).quadtree;
+  const RestrictedQuadtree base = now.ask({.region = region, .tolerance = Metres{10}}).quadtree,
+                           finer = now.ask({.region = region, .tolerance = Metres{3}}).quadtree;
   std::vector<Example> made_of;
   for (const StreamProfile profile : {StreamProfile::balanced, StreamProfile::fast, StreamProfile::small}) {
     StreamOptions options;
     options.profile = profile;
     options.bands = profile == StreamProfile::fast ? 2 : 1;
     made_of.push_back({encode({now.description(), finer}, options), std::nullopt, options});
-    made_of.push_back(
-        {encode({now.description(), now.increment(region, Metres{10}, Metres{3})}, options, &base), base, options});
+    made_of.push_back({encode({now.description(),
+                               increment_of(now.ask({.region = region, .tolerance = Metres{3}, .from = Metres{10}}))},
+                              options, &base),
+                       base, options});
     made_of.push_back({encode({now.description(), now.ask(cover).quadtree}, options), std::nullopt, options});
   }
   return made_of;
@@ -322,7 +326,7 @@ TEST(Streams, FloatsThatAreWholeNumbersTakeNoMoreThanWholeNumbers) {
     file.type = type;
     const Made made(terrain, file);
     const Snapshot now = made.now();
-    const RestrictedQuadtree answer = now.range(now.description().extent, Metres{2}).quadtree;
+    const RestrictedQuadtree answer = now.ask({.region = now.description().extent, .tolerance = Metres{2}}).quadtree;
     const Bytes bytes = encode({now.description(), answer});
     const Stream back = decode_stream(bytes);
     const auto& heights = std::get<RestrictedQuadtree>(back.content).heights;

@@ -27,17 +27,17 @@ TEST(Threads, ChangeNothingInALargeAnswer) {
   write_raster(terrain, folder / "a.tif", file);
   IngestOptions options;
   ingest(folder / "a.tif", folder / "a.talus", options);
-  options.finest_tolerance = 4;
+  options.finest_tolerance = Metres{4};
   ingest(folder / "a.tif", folder / "kept.talus", options);
   for (const char* name : {"a.talus", "kept.talus"}) {
-    const Snapshot one = Database::open(folder / name).snapshot();
+    const Snapshot one = Database::open(folder / name, {.threads = 1}).snapshot();
     for (const GridRect region : {one.description().extent, GridRect{{17, 3}, {1333, 1001}}}) {
       for (const double tolerance : {0.0, 3.0, 40.0, 1e9}) {
-        const Answer expected = one.range(region, Metres{tolerance});
-        const Mesh mesh = triangulate(expected.quadtree);
+        const Answer expected = one.ask({.region = region, .tolerance = Metres{tolerance}});
+        const Mesh mesh = triangulate(expected.quadtree, 1);
         for (const int threads : {2, 3, 9, 0}) {
           const Snapshot many = Database::open(folder / name, {.threads = threads}).snapshot();
-          const Answer answer = many.range(region, Metres{tolerance});
+          const Answer answer = many.ask({.region = region, .tolerance = Metres{tolerance}});
           const RestrictedQuadtree &a = answer.quadtree, &e = expected.quadtree;
           EXPECT_EQ(a.vertices.size(), e.vertices.size());
           std::size_t missing = 0;
@@ -82,7 +82,10 @@ std::uint64_t asked(const Snapshot& now, std::uint64_t number, int cols, int row
     case 1: q.points = {q.region.first, q.region.last}; break;
     case 2: q.max_level = random.between(0, 9); break;
     case 3: q.field = patch_tolerance(q.region, 1, 2, {1, 50}); break;
-    case 4: return digest(now.increment(q.region, q.tolerance, Metres{q.tolerance.value / 2}).added);
+    case 4:
+      return digest(
+          increment_of(now.ask({.region = q.region, .tolerance = Metres{q.tolerance.value / 2}, .from = q.tolerance}))
+              .added);
     case 5: {
       const double x = random.unit() * cols, y = -random.unit() * rows;
       return std::bit_cast<std::uint64_t>(now.height(x, y).value_or(-1)) ^
@@ -96,7 +99,9 @@ std::uint64_t asked(const Snapshot& now, std::uint64_t number, int cols, int row
       }
       return sum;
     }
-    case 7: return std::bit_cast<std::uint64_t>(now.tolerance_for(q.region, {.vertices = 40000}).value);
+    case 7:
+      return std::bit_cast<std::uint64_t>(
+          now.ask({.region = q.region, .budget = {.vertices = 40000}}).quadtree.tolerance.value);
     default: break;
   }
   const Answer answer = now.ask(q);

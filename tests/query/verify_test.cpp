@@ -10,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/quadtree/triangulation.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/forged_database.hpp"
 #include "tests/support/random.hpp"

@@ -81,7 +81,7 @@ TEST_F(ShrinkingFile, IsAFailureOfEveryQuestion) {
       [](const Snapshot& now) { static_cast<void>(now.height(650, -450)); },
       [](const Snapshot& now) { static_cast<void>(now.storage()); },
       [](const Snapshot& now) {
-        static_cast<void>(now.tolerance_for(now.description().extent, Budget{5000, {}}));
+        static_cast<void>(now.ask({.region = now.description().extent, .budget = Budget{5000, {}}}).quadtree.tolerance);
       },
       [](const Snapshot& now) {
         if (verify(now).is_damaged()) throw Failure(Cause::corrupt, "a.talus: verify reports it");

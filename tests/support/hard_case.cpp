@@ -196,7 +196,8 @@ double HardDatabase::judge(const Mesh& mesh, double tolerance) const {
 
 Mesh HardDatabase::judged(GridRect region, double tolerance, double& true_error) const {
   SCOPED_TRACE(::testing::Message() << std::hexfloat << "tolerance " << tolerance << " m, region " << text(region));
-  const Answer answer = without_float_exceptions([&] { return now().range(region, Metres{tolerance}); });
+  const Answer answer =
+      without_float_exceptions([&] { return now().ask({.region = region, .tolerance = Metres{tolerance}}); });
   Mesh mesh = without_float_exceptions([&] { return triangulate(answer.quadtree); });
   EXPECT_EQ(mesh.region, region);
   EXPECT_EQ(answer.quadtree.tolerance.value, tolerance);
@@ -267,7 +268,9 @@ void HardDatabase::check_neighbours(double tolerance) const {
     (beside ? one.last.col : one.last.row) = cut;
     (beside ? other.first.col : other.first.row) = cut;
     SCOPED_TRACE("cut at " + std::to_string(cut) + " of " + text(both));
-    const auto ask = [&](GridRect part) { return triangulate(now().range(part, Metres{tolerance}).quadtree); };
+    const auto ask = [&](GridRect part) {
+      return triangulate(now().ask({.region = part, .tolerance = Metres{tolerance}}).quadtree);
+    };
     (void)judge(join(ask(one), ask(other), both), tolerance);
   }
 }
@@ -294,13 +297,13 @@ Mesh HardDatabase::streamed(const RestrictedQuadtree& answer) const {
 }
 
 void HardDatabase::check_streams(double tolerance) const {
-  RestrictedQuadtree client = now().range(extent(), Metres{kInfinity}).quadtree;
+  RestrictedQuadtree client = now().ask({.region = extent(), .tolerance = Metres{kInfinity}}).quadtree;
   double from = kInfinity;
   for (const double to : {tolerance, 0.0}) {
     SCOPED_TRACE(::testing::Message() << std::hexfloat << "streams at tolerance " << to << " m");
     if (!(to < from)) continue;
-    const RestrictedQuadtree answer = now().range(extent(), Metres{to}).quadtree;
-    const Increment more = now().increment(extent(), Metres{from}, Metres{to});
+    const RestrictedQuadtree answer = now().ask({.region = extent(), .tolerance = Metres{to}}).quadtree;
+    const Increment more = increment_of(now().ask({.region = extent(), .tolerance = Metres{to}, .from = Metres{from}}));
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       const auto back = [&](const Stream& stream, const RestrictedQuadtree* base) {
         return without_float_exceptions(

@@ -1,0 +1,136 @@
+#pragma once
+// What does not go together in one question: the one table. docs/questions.md shows it, and a test holds both together.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "talus/question.hpp"
+
+namespace talus {
+
+/// Something that a question asks for.
+enum class Feature : std::uint8_t {
+  region,
+  rectangle,
+  tolerance,
+  budget,
+  field,
+  from,
+  border,
+  exact,
+  bounded_alone,
+  fitted,
+  dense,
+  rounded,
+  quantum,
+  max_level,
+  points,
+  neighbours,
+  together,
+};
+
+struct FeatureWords {
+  Feature feature;
+  std::string_view field;    ///< as a field of the library
+  std::string_view meaning;  ///< when a question asks for it
+};
+
+inline constexpr std::array<FeatureWords, 17> kFeatures{{
+    {Feature::region, "Question::region", "a region in samples"},
+    {Feature::rectangle, "Question::rectangle", "a rectangle in CRS coordinates"},
+    {Feature::tolerance, "Question::tolerance", "a tolerance above 0"},
+    {Feature::budget, "Question::budget", "most vertices or triangles"},
+    {Feature::field, "Question::field", "a tolerance that varies"},
+    {Feature::from, "Question::from", "an increment"},
+    {Feature::border, "Question::border", "another border than constrain"},
+    {Feature::exact, "Question::heights exact", "the source's heights"},
+    {Feature::bounded_alone, "Question::heights bounded", "bounded heights without a quantum"},
+    {Feature::fitted, "Question::heights fitted", "fitted heights"},
+    {Feature::dense, "Question::heights dense", "dense heights"},
+    {Feature::rounded, "Question::heights", "bounded, fitted or dense heights"},
+    {Feature::quantum, "Heights::quantum", "a quantum"},
+    {Feature::max_level, "Question::max_level", "a finest level"},
+    {Feature::points, "Question::points", "points, places or lines"},
+    {Feature::neighbours, "Question::neighbours", "answers to meet"},
+    {Feature::together, "Snapshot::ask_together", "several questions at once"},
+}};
+
+[[nodiscard]] constexpr const FeatureWords& words_of(Feature feature) {
+  return kFeatures[static_cast<std::size_t>(feature)];
+}
+
+/// Two things that do not go together, and what a caller is told who asks for both.
+struct Combination {
+  Feature one, other;
+  std::string_view sentence;
+};
+
+inline constexpr std::array<Combination, 29> kRefused{{
+    {Feature::region, Feature::rectangle, "Question::region and Question::rectangle both say where: give one of them"},
+    {Feature::budget, Feature::tolerance,
+     "Question::budget and Question::tolerance both say how exact: give one of them"},
+    {Feature::budget, Feature::field, "Question::budget and Question::field both say how exact: give one of them"},
+    {Feature::budget, Feature::border,
+     "Question::budget finds the tolerance of a constrained border: it does not go with Question::border"},
+    {Feature::budget, Feature::max_level,
+     "Question::budget counts the vertices of all levels: it does not go with Question::max_level"},
+    {Feature::budget, Feature::points,
+     "Question::budget does not count vertices for points: it does not go with Question::points"},
+    {Feature::budget, Feature::neighbours,
+     "Question::budget does not count vertices for neighbours: it does not go with Question::neighbours"},
+    {Feature::from, Feature::field,
+     "Question::from goes on from an answer of one tolerance: it does not go with Question::field"},
+    {Feature::from, Feature::border,
+     "Question::from goes on from an answer with a constrained border: it does not go with Question::border"},
+    {Feature::from, Feature::max_level,
+     "Question::from goes on from an answer of all levels: it does not go with Question::max_level"},
+    {Feature::from, Feature::points,
+     "Question::from goes on from an answer without points: it does not go with Question::points"},
+    {Feature::from, Feature::neighbours,
+     "Question::from goes on from an answer without neighbours: it does not go with Question::neighbours"},
+    {Feature::from, Feature::bounded_alone,
+     "Question::from with Question::heights bounded goes on from an answer with the same Heights::quantum: name it"},
+    {Feature::from, Feature::fitted,
+     "Question::from does not go with Question::heights fitted: fitted heights differ at each tolerance"},
+    {Feature::from, Feature::dense,
+     "Question::from does not go with Question::heights dense: dense heights differ at each tolerance"},
+    {Feature::rounded, Feature::field,
+     "Question::heights bounded, fitted or dense need one tolerance: they do not go with Question::field"},
+    {Feature::rounded, Feature::border,
+     "Question::heights bounded, fitted or dense need a constrained border: they do not go with Question::border"},
+    {Feature::rounded, Feature::max_level,
+     "Question::heights bounded, fitted or dense need all levels: they do not go with Question::max_level"},
+    {Feature::rounded, Feature::points,
+     "Question::heights bounded, fitted or dense choose the vertices: they do not go with Question::points"},
+    {Feature::rounded, Feature::neighbours,
+     "Question::heights bounded, fitted or dense choose the vertices: they do not go with Question::neighbours"},
+    {Feature::quantum, Feature::exact,
+     "Heights::quantum goes with Question::heights bounded and fitted, not with Question::heights exact"},
+    {Feature::quantum, Feature::dense,
+     "Heights::quantum goes with Question::heights bounded and fitted, not with Question::heights dense"},
+    {Feature::border, Feature::field,
+     "Question::field needs a constrained border: it does not go with Question::border"},
+    {Feature::border, Feature::points,
+     "Question::points need a constrained border: they do not go with Question::border"},
+    {Feature::border, Feature::neighbours,
+     "Question::neighbours need a constrained border: they do not go with Question::border"},
+    {Feature::together, Feature::border,
+     "Snapshot::ask_together lets answers meet in vertices of constrained borders: it does not go with "
+     "Question::border"},
+    {Feature::together, Feature::budget,
+     "Snapshot::ask_together gives answers the vertices of others: it does not go with Question::budget"},
+    {Feature::together, Feature::from,
+     "Snapshot::ask_together gives answers the vertices of others: it does not go with Question::from"},
+    {Feature::together, Feature::rounded,
+     "Snapshot::ask_together gives answers the vertices of others: it does not go with Question::heights bounded, "
+     "fitted or dense"},
+}};
+
+/// Whether a question asks for something.
+///
+/// together  it is one of several
+[[nodiscard]] bool asks_for(const Question& question, Feature feature, bool together);
+
+}  // namespace talus
