@@ -59,18 +59,34 @@ std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& 
   return neighbours;
 }
 
-/// Region and tolerances are the database's to say; all else are words.
-Question question_of(const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle,
-                     Places places, Stages& stages) {
-  const Description& d = now.description();
+/// What words alone say of a question: region and field are still to come.
+Question words_of(const Request& request, Places places, const std::vector<RestrictedQuadtree>& neighbours) {
   Question question;
-  question.region = snapped(rectangle ? now.region(*rectangle).samples : d.extent, request.snap, d.extent);
   question.border = parse_border(request.border);
   if (request.max_level >= 0) question.max_level = request.max_level;
   question.places = std::move(places.points);
   question.lines = std::move(places.lines);
+  for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
   question.budget = request.budget;
   if (!request.tolerance.empty()) question.tolerance = parse_tolerance(request.tolerance);
+  if (!request.from.empty()) question.from = parse_tolerance(request.from, "--from");
+  question.heights = request.heights.heights();
+  question.threads = request.threads;
+  return question;
+}
+
+/// Refuses what does not go together before a database is opened or a raster of tolerances read.
+void require_combinable_words(const Request& request, Question question) {
+  if (!request.focus.empty() || !request.tolerance_raster.empty())
+    question.field = patch_tolerance({{0, 0}, {1, 1}}, 1, 1, {0});  // stands for the one to come
+  require_combinable(question);
+}
+
+/// The rest of the question.
+void place(Question& question, const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle,
+           Stages& stages) {
+  const Description& d = now.description();
+  question.region = snapped(rectangle ? now.region(*rectangle).samples : d.extent, request.snap, d.extent);
   if (!request.tolerance_raster.empty()) {
     stages.time("read the tolerances",
                 [&] { question.field = tolerance_of_raster(request.tolerance_raster, d, question.region); });
@@ -79,10 +95,6 @@ Question question_of(const Request& request, const Snapshot& now, const std::opt
     const Focus focus = parse_focus(request.focus);
     question.field = focus_tolerance(d, focus.x, focus.y, focus.metres_per_metre, question.tolerance);
   }
-  if (!request.from.empty()) question.from = parse_tolerance(request.from, "--from");
-  question.heights = request.heights.heights();
-  question.threads = request.threads;
-  return question;
 }
 
 /// An .rqt file holds a quadtree.
@@ -143,16 +155,17 @@ Exit run(const Request& request) {
   std::optional<Rectangle> rectangle;
   if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
   check_outputs(request.outputs, inputs_of(request));
-  const Places places = read_places(request.interest);
-
+  Places places = read_places(request.interest);
   const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
+  Question question = words_of(request, std::move(places), neighbours);
+  require_combinable_words(request, question);
+
   const Snapshot now = open_database(request.database, {.threads = request.threads}).snapshot();
   const Description& description = now.description();
   const bool is_clipped = rectangle && now.region(*rectangle).is_cut;
   const auto start = std::chrono::steady_clock::now();
   Stages stages;
-  Question question = question_of(request, now, rectangle, places, stages);
-  for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
+  place(question, request, now, rectangle, stages);
   if (question.from) {
     if (is_clipped) note(clipped_text(request.bbox));
     return write_increment(now, question, request.outputs, options, request.json, request.explain);

@@ -286,7 +286,7 @@ TEST(BoundedHeights, RefuseWhatTheyCannotKeep) {
       << "whole numbers lie at most 5 from a multiple of 11";
   EXPECT_THROW(
       static_cast<void>(now.ask(
-          {.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded, .quantum = Metres{0}}})),
+          {.region = all, .tolerance = Metres{5}, .heights = {.kind = HeightKind::bounded, .quantum = Metres{-1}}})),
       Failure);
   EXPECT_THROW(
       static_cast<void>(now.ask(
