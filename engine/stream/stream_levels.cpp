@@ -195,7 +195,8 @@ LevelVertices<Code> root_vertices(const KnownLevels<Code>& known, GridRect windo
 /// One half of a level by bands. coder(band, row) tells.
 template <class Code, class Coder>
 std::vector<typename LevelWalk<Code>::WalkedRows> walk_half(LevelWalk<Code>& walk, std::size_t half, std::size_t bands,
-                                                      int threads, const KnownVertices<Code>& known, Coder&& coder) {
+                                                            int threads, const KnownVertices<Code>& known,
+                                                            Coder&& coder) {
   std::vector<typename LevelWalk<Code>::WalkedRows> parts(bands);
   for_each_task(threads, bands, [&](int, std::size_t b) {
     const std::int32_t first = band_row(walk.rows(), bands, b), last = band_row(walk.rows(), bands, b + 1);

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "query/export/writers.hpp"
 #include "engine/geo/ground.hpp"
+#include "query/export/writers.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {

@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
-#include "engine/tile/coarse_levels.hpp"
 #include "engine/geo/ground.hpp"
+#include "engine/tile/coarse_levels.hpp"
 
 namespace talus {
 namespace {
