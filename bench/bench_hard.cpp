@@ -20,6 +20,7 @@
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/surfaces.hpp"
 

@@ -13,6 +13,7 @@
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
 #include "query/pages/page_cache.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 
 namespace talus {

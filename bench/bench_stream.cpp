@@ -119,7 +119,7 @@ void BM_DecodeBands(benchmark::State& state) {
   const Asked* a = asked(1, false);
   if (a == nullptr) return state.SkipWithError("no real models here, see TALUS_DEM_DIR");
   StreamOptions options;
-  options.bands = static_cast<int>(state.range(0));
+  options.stripes = static_cast<int>(state.range(0));
   const auto bytes = encode({a->description, a->quadtree}, options);
   for (auto _ : state) benchmark::DoNotOptimize(decode_stream(bytes, {}, nullptr, static_cast<int>(state.range(1))));
   state.counters["bytes"] = static_cast<double>(bytes.size());

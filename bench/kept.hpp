@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {

@@ -18,7 +18,7 @@ class Failure;
 /// Where a page lies: a named table and a position in it. Keys are big-endian, so that the order of bytes
 /// is the order of positions.
 struct PageKey {
-  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: what tiers above a tile must know
+  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: what the levels above a tile must know
   std::uint64_t position = 0;
   friend constexpr auto operator<=>(const PageKey&, const PageKey&) = default;
 };

@@ -67,7 +67,7 @@ THEIRS = [
     ("GDAL", GDAL, r"ingest/|query/rasters/", "ingest/ and query/rasters/"),
     ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
     ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream/stream_bytes)\.cpp$", "storage/*.cpp and engine/stream/stream_bytes.cpp"),
-    ("GeographicLib", r"GeographicLib/", r"engine/geo/geodesy\.", "engine/geo/geodesy"),
+    ("GeographicLib", r"GeographicLib/", r"engine/geo/", "engine/geo/"),
     ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
     ("JSON", r"nlohmann/", r"(engine|app|query/export)/", "engine/, app/ and query/export/"),
     ("CLI11", r"CLI/", r"app/", "app/"),

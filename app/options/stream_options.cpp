@@ -26,7 +26,7 @@ void add_stream_words(CLI::App* command, StreamWords& words) {
 
 StreamOptions stream_options(const StreamWords& words, int threads) {
   StreamOptions options;
-  options.bands = words.bands;
+  options.stripes = words.bands;
   options.threads = threads;
   if (words.profile == "fast") {
     options.profile = StreamProfile::fast;

@@ -36,6 +36,7 @@
 #include "engine/quadtree/construction.hpp"
 #include "engine/quadtree/half_diamond.hpp"
 #include "query/accuracy/true_error.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {

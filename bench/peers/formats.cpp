@@ -23,6 +23,7 @@
 #include "engine/stream/stream_codec.hpp"
 #include "query/accuracy/true_error.hpp"
 #include "talus/bitree.hpp"
+#include "talus/ingest.hpp"
 #include "talus/strip.hpp"
 #include "talus/talus.hpp"
 

@@ -30,6 +30,7 @@
 
 #include "bench/kept.hpp"
 #include "query/accuracy/true_error.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 
 namespace talus::bench {

@@ -29,6 +29,7 @@
 #include "engine/quadtree/half_diamond.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "query/accuracy/true_error.hpp"
+#include "talus/ingest.hpp"
 #include "talus/strip.hpp"
 #include "talus/talus.hpp"
 

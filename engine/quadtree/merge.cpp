@@ -92,9 +92,10 @@ void require_fit(const RestrictedQuadtree& answer, const Increment& increment) {
                        answer.tolerance.value));
   }
   if (answer.origin.quantum != added.origin.quantum) {
-    refuse(fmt::format(
-        "the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask both with one quantum",
-        added.origin.quantum.value, answer.origin.quantum.value));
+    refuse(
+        fmt::format("the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask for both with "
+                    "one Heights::quantum",
+                    added.origin.quantum.value, answer.origin.quantum.value));
   }
   if (answer.level_errors.size() != added.level_errors.size())
     refuse(fmt::format("the increment has {} levels, the answer {}", added.level_errors.size(),

@@ -84,15 +84,15 @@ std::uint8_t context_at(Resolution r, std::uint8_t context) {
 struct SymbolState {
   SymbolTables tables;
   Resolution resolution = Resolution::same_tables;  ///< of the tables; same_tables: there are none
-  std::vector<MixedModelPointer> mixed;             ///< by band
-  MixedModel& mixed_model(std::size_t band) {
-    while (mixed.size() <= band) mixed.push_back(make_mixed_model());
-    return *mixed[band];
+  std::vector<MixedModelPointer> mixed;             ///< by stripe
+  MixedModel& mixed_model(std::size_t stripe) {
+    while (mixed.size() <= stripe) mixed.push_back(make_mixed_model());
+    return *mixed[stripe];
   }
 };
 
 template <class Code>
-void BandRecord<Code>::take(const CandidateRow<Code>& row, bool with_surroundings) {
+void StripeRecord<Code>::take(const CandidateRow<Code>& row, bool with_surroundings) {
   lattice = row.lattice;
   rows.push_back({row.row, row.count});
   contexts.insert(contexts.end(), row.contexts, row.contexts + row.count);
@@ -108,18 +108,18 @@ void BandRecord<Code>::take(const CandidateRow<Code>& row, bool with_surrounding
 namespace {
 
 template <class Code>
-using Halves = std::array<std::vector<BandRecord<Code>>, 2>;
+using Halves = std::array<std::vector<StripeRecord<Code>>, 2>;
 using Bytes = std::vector<std::byte>;
 
 /// So that most residuals are told by a symbol alone, and the bits below are about even.
 template <class Code>
 int shift_of(const Halves<Code>& halves) {
   double sum = 0, count = 0;
-  for (const auto& bands : halves) {
-    for (const auto& band : bands) {
+  for (const auto& stripes : halves) {
+    for (const auto& stripe : stripes) {
       std::uint64_t there = 0, sizes = 0;  // absent ones have residual 0
-      for (const std::uint8_t p : band.present) there += p;
-      for (const Code r : band.residuals)
+      for (const std::uint8_t p : stripe.present) there += p;
+      for (const Code r : stripe.residuals)
         sizes += std::min<std::uint64_t>(static_cast<std::uint64_t>(r < 0 ? ~r : r), 1u << 30);
       count += static_cast<double>(there);
       sum += static_cast<double>(sizes);
@@ -142,7 +142,7 @@ Bytes packed(const std::vector<Bytes>& pieces) {
 std::vector<std::span<const std::byte>> unpacked(std::span<const std::byte> bytes, std::size_t count) {
   VariableReader in(bytes);
   std::vector<std::size_t> sizes;
-  if (count > bytes.size()) refuse("more bands than bytes");
+  if (count > bytes.size()) refuse("more stripes than bytes");
   for (std::size_t i = 0; i < count; ++i) sizes.push_back(in.size());
   std::vector<std::span<const std::byte>> pieces;
   for (const std::size_t size : sizes) pieces.push_back(in.take(size));
@@ -160,18 +160,18 @@ Bytes encode_balanced(const Halves<Code>& halves, SymbolState& state) {
   std::vector<Tokens> tokens;
   std::vector<SymbolTables::Counts> counts(kCandidateContexts, SymbolTables::Counts{}),
       merged(kKinds, SymbolTables::Counts{});
-  for (const auto& bands : halves) {
-    for (const auto& band : bands) {
+  for (const auto& stripes : halves) {
+    for (const auto& stripe : stripes) {
       Tokens made;
-      made.symbols.resize(band.present.size());
+      made.symbols.resize(stripe.present.size());
       BitWriter raw;
-      for (std::size_t i = 0; i < band.present.size(); ++i) {
-        if (band.present[i] != 0) {
-          const Token token = token_of(band.residuals[i], shift);
+      for (std::size_t i = 0; i < stripe.present.size(); ++i) {
+        if (stripe.present[i] != 0) {
+          const Token token = token_of(stripe.residuals[i], shift);
           made.symbols[i] = token.symbol;
           if (token.bits > 0) raw.put(token.rest, token.bits);
         }
-        ++counts[band.contexts[i]][made.symbols[i]];
+        ++counts[stripe.contexts[i]][made.symbols[i]];
       }
       raw.finish();
       made.raw = std::move(raw.bytes);
@@ -216,17 +216,17 @@ Bytes encode_balanced(const Halves<Code>& halves, SymbolState& state) {
   }
   std::vector<Bytes> pieces;
   std::size_t next = 0;
-  for (const auto& bands : halves) {
-    for (const auto& band : bands) {
+  for (const auto& stripes : halves) {
+    for (const auto& stripe : stripes) {
       const Tokens& made = tokens[next++];
       std::vector<std::uint8_t> kinds;
       if (state.resolution == Resolution::kinds) {
-        for (const std::uint8_t c : band.contexts) kinds.push_back(context_at(state.resolution, c));
+        for (const std::uint8_t c : stripe.contexts) kinds.push_back(context_at(state.resolution, c));
       }
-      const std::vector<std::uint8_t>& contexts = state.resolution == Resolution::kinds ? kinds : band.contexts;
+      const std::vector<std::uint8_t>& contexts = state.resolution == Resolution::kinds ? kinds : stripe.contexts;
       std::vector<SymbolRow> rows;
       std::size_t at = 0;
-      for (const auto& row : band.rows) {
+      for (const auto& row : stripe.rows) {
         rows.push_back({std::span(contexts).subspan(at, row.count), std::span(made.symbols).subspan(at, row.count)});
         at += row.count;
       }
@@ -245,15 +245,15 @@ constexpr std::size_t kGroup = 32;
 template <class Code>
 Bytes encode_fast(const Halves<Code>& halves) {
   std::vector<Bytes> pieces;
-  for (const auto& bands : halves) {
-    for (const auto& band : bands) {
+  for (const auto& stripes : halves) {
+    for (const auto& stripe : stripes) {
       BitWriter present, packed_values;
       Bytes widths;
       std::vector<std::uint64_t> values;
-      for (std::size_t i = 0; i < band.present.size(); ++i) {
-        present.put(band.present[i], 1);
-        const Code r = band.residuals[i];
-        if (band.present[i] != 0) {
+      for (std::size_t i = 0; i < stripe.present.size(); ++i) {
+        present.put(stripe.present[i], 1);
+        const Code r = stripe.residuals[i];
+        if (stripe.present[i] != 0) {
           values.push_back(static_cast<std::uint64_t>(static_cast<std::make_unsigned_t<Code>>(r < 0 ? ~r : r)) << 1 |
                            (r < 0 ? 1u : 0u));
         }
@@ -324,10 +324,10 @@ LevelEncoder<Code>::~LevelEncoder() = default;
 template <class Code>
 std::vector<std::byte> LevelEncoder<Code>::encode(const Halves<Code>& halves) {
   bool is_empty = true;
-  for (const auto& bands : halves) {
-    for (const auto& band : bands)
+  for (const auto& stripes : halves) {
+    for (const auto& stripe : stripes)
       is_empty =
-          is_empty && std::all_of(band.present.begin(), band.present.end(), [](std::uint8_t p) { return p == 0; });
+          is_empty && std::all_of(stripe.present.begin(), stripe.present.end(), [](std::uint8_t p) { return p == 0; });
   }
   if (is_empty) return {};
   Bytes out;
@@ -352,7 +352,7 @@ std::vector<std::byte> LevelEncoder<Code>::encode(const Halves<Code>& halves) {
 // ---- reading --------------------------------------------------------------------------------------------
 
 template <class Code>
-struct LevelDecoder<Code>::Band {
+struct LevelDecoder<Code>::Stripe {
   // balanced
   SymbolReader symbols;
   BitReader raw;
@@ -375,11 +375,11 @@ LevelDecoder<Code>::~LevelDecoder() = default;
 
 template <class Code>
 std::size_t LevelDecoder<Code>::start(std::span<const std::byte> bytes) {
-  bands_[0].clear(), bands_[1].clear();
+  stripes_[0].clear(), stripes_[1].clear();
   if (bytes.empty()) return 1;  // all are absent
   VariableReader in(bytes);
   const std::size_t count = in.size();
-  if (count < 1 || count > bytes.size()) refuse("an impossible number of bands");
+  if (count < 1 || count > bytes.size()) refuse("an impossible number of stripes");
   std::shared_ptr<const Meanings<Code>> meanings;
   int shift = 0;
   if (profile_ != StreamProfile::fast) {
@@ -399,24 +399,24 @@ std::size_t LevelDecoder<Code>::start(std::span<const std::byte> bytes) {
     }
     meanings = std::make_shared<const Meanings<Code>>(shift);
   }
-  const std::size_t per_band = profile_ == StreamProfile::fast ? 3 : profile_ == StreamProfile::balanced ? 2 : 1;
-  const auto pieces = unpacked(in.take(in.left()), 2 * count * per_band);
+  const std::size_t per_stripe = profile_ == StreamProfile::fast ? 3 : profile_ == StreamProfile::balanced ? 2 : 1;
+  const auto pieces = unpacked(in.take(in.left()), 2 * count * per_stripe);
   for (std::size_t half = 0; half < 2; ++half) {
     for (std::size_t b = 0; b < count; ++b) {
-      const auto* piece = &pieces[(half * count + b) * per_band];
-      auto band = std::make_unique<Band>();
+      const auto* piece = &pieces[(half * count + b) * per_stripe];
+      auto stripe = std::make_unique<Stripe>();
       if (profile_ == StreamProfile::fast) {
-        band->present = piece[0];
-        band->values = values_of<Code>(piece[1], piece[2]);
+        stripe->present = piece[0];
+        stripe->values = values_of<Code>(piece[1], piece[2]);
       } else if (profile_ == StreamProfile::balanced) {
-        band->symbols = SymbolReader(state_->tables, piece[0]);
-        band->raw = BitReader(piece[1]);
-        band->meanings = meanings;
-        band->resolution = state_->resolution;
+        stripe->symbols = SymbolReader(state_->tables, piece[0]);
+        stripe->raw = BitReader(piece[1]);
+        stripe->meanings = meanings;
+        stripe->resolution = state_->resolution;
       } else {
-        band->mixed = std::make_unique<MixedReader<Code>>(state_->mixed_model(b), piece[0], half, shift);
+        stripe->mixed = std::make_unique<MixedReader<Code>>(state_->mixed_model(b), piece[0], half, shift);
       }
-      bands_[half].push_back(std::move(band));
+      stripes_[half].push_back(std::move(stripe));
     }
   }
   return count;
@@ -425,23 +425,23 @@ std::size_t LevelDecoder<Code>::start(std::span<const std::byte> bytes) {
 template <class Code>
 void LevelDecoder<Code>::take(std::size_t half, std::size_t b, CandidateRow<Code>& row) {
   const std::size_t n = row.count;
-  if (bands_[half].empty()) {
+  if (stripes_[half].empty()) {
     std::fill_n(row.present, n, std::uint8_t{0});
     std::fill_n(row.residuals, n, Code{0});
     return;
   }
-  Band& band = *bands_[half][b];
+  Stripe& stripe = *stripes_[half][b];
   if (profile_ == StreamProfile::balanced) {
-    if (band.room.size() < n) band.room.resize(n), band.contexts.resize(n);
+    if (stripe.room.size() < n) stripe.room.resize(n), stripe.contexts.resize(n);
     const std::uint8_t* contexts = row.contexts;
-    if (band.resolution == Resolution::kinds) {
-      for (std::size_t i = 0; i < n; ++i) band.contexts[i] = context_at(Resolution::kinds, row.contexts[i]);
-      contexts = band.contexts.data();
+    if (stripe.resolution == Resolution::kinds) {
+      for (std::size_t i = 0; i < n; ++i) stripe.contexts[i] = context_at(Resolution::kinds, row.contexts[i]);
+      contexts = stripe.contexts.data();
     }
-    std::uint8_t* symbols = band.room.data();
-    band.symbols.take(contexts, symbols, n);
-    const Meanings<Code>& m = *band.meanings;
-    BitReader raw = band.raw;
+    std::uint8_t* symbols = stripe.room.data();
+    stripe.symbols.take(contexts, symbols, n);
+    const Meanings<Code>& m = *stripe.meanings;
+    BitReader raw = stripe.raw;
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t s = symbols[i];
       const std::uint64_t rest = sizeof(Code) <= 4 ? raw.take(m.bits[s]) : raw.take_long(m.bits[s]);
@@ -449,41 +449,42 @@ void LevelDecoder<Code>::take(std::size_t half, std::size_t b, CandidateRow<Code
       row.present[i] = s != 0 ? 1 : 0;
       row.residuals[i] = static_cast<Code>(v ^ m.flip[s]);
     }
-    band.raw = raw;
+    stripe.raw = raw;
   } else if (profile_ == StreamProfile::fast) {
-    if (band.at + n > 8 * band.present.size() ||
-        band.next + n > band.values.size() + kGroup + n)  // values are looked at below
+    if (stripe.at + n > 8 * stripe.present.size() ||
+        stripe.next + n > stripe.values.size() + kGroup + n)  // values are looked at below
       refuse("fewer bits than candidates");
     // At most as many values as candidates: room for them, so that no look is needed at each.
-    if (band.values.size() < band.next + n) band.values.resize(band.next + n);
-    const Code* values = band.values.data();
-    std::size_t next = band.next, at = band.at;
+    if (stripe.values.size() < stripe.next + n) stripe.values.resize(stripe.next + n);
+    const Code* values = stripe.values.data();
+    std::size_t next = stripe.next, at = stripe.at;
     for (std::size_t i = 0; i < n; ++i, ++at) {
-      const auto p = static_cast<std::uint8_t>(std::to_integer<unsigned>(band.present[at / 8]) >> (at % 8) & 1u);
+      const auto p = static_cast<std::uint8_t>(std::to_integer<unsigned>(stripe.present[at / 8]) >> (at % 8) & 1u);
       row.present[i] = p;
       row.residuals[i] = values[next];
       next += p;
     }
-    band.at = at, band.next = next;
+    stripe.at = at, stripe.next = next;
   } else {
-    band.mixed->take(row);
+    stripe.mixed->take(row);
   }
 }
 
 template <class Code>
 bool LevelDecoder<Code>::is_intact() const {
-  for (const auto& bands : bands_) {
-    for (const auto& band : bands) {
-      if (profile_ == StreamProfile::balanced && !(band->symbols.is_intact() && band->raw.is_intact())) return false;
-      if (profile_ == StreamProfile::fast && (band->at + 7) / 8 != band->present.size()) return false;
-      if (profile_ == StreamProfile::small && !band->mixed->is_intact()) return false;
+  for (const auto& stripes : stripes_) {
+    for (const auto& stripe : stripes) {
+      if (profile_ == StreamProfile::balanced && !(stripe->symbols.is_intact() && stripe->raw.is_intact()))
+        return false;
+      if (profile_ == StreamProfile::fast && (stripe->at + 7) / 8 != stripe->present.size()) return false;
+      if (profile_ == StreamProfile::small && !stripe->mixed->is_intact()) return false;
     }
   }
   return true;
 }
 
-template struct BandRecord<std::int32_t>;
-template struct BandRecord<std::int64_t>;
+template struct StripeRecord<std::int32_t>;
+template struct StripeRecord<std::int64_t>;
 template class LevelEncoder<std::int32_t>;
 template class LevelEncoder<std::int64_t>;
 template class LevelDecoder<std::int32_t>;

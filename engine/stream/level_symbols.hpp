@@ -1,8 +1,8 @@
 #pragma once
 // What the candidates of a level are, as bytes: one way for each profile. docs/format/rqt-v1.md, sections 7 to 9.
 //
-// Rows of a level are cut into bands, of about as many rows each. Bands are coded apart, so that several threads can
-// take them; what is expected of a candidate does not depend on its band.
+// Rows of a level are cut into stripes, of about as many rows each. Stripes are coded apart, so that several threads can
+// take them; what is expected of a candidate does not depend on its stripe.
 
 #include <array>
 #include <cstddef>
@@ -16,15 +16,15 @@
 
 namespace talus {
 
-/// First row of a band; of `bands`, one past the last row.
-[[nodiscard]] constexpr std::int32_t band_row(std::int32_t rows, std::size_t bands, std::size_t band) {
-  return static_cast<std::int32_t>(static_cast<std::int64_t>(rows) * static_cast<std::int64_t>(band) /
-                                   static_cast<std::int64_t>(bands));
+/// First row of a stripe; of `stripes`, one past the last row.
+[[nodiscard]] constexpr std::int32_t stripe_row(std::int32_t rows, std::size_t stripes, std::size_t stripe) {
+  return static_cast<std::int32_t>(static_cast<std::int64_t>(rows) * static_cast<std::int64_t>(stripe) /
+                                   static_cast<std::int64_t>(stripes));
 }
 
-/// What a walk told of one band of half a level.
+/// What a walk told of one stripe of half a level.
 template <class Code>
-struct BandRecord {
+struct StripeRecord {
   struct Row {
     std::int32_t row;
     std::size_t count;
@@ -50,8 +50,8 @@ class LevelEncoder {
   ~LevelEncoder();
   LevelEncoder(const LevelEncoder&) = delete;
   LevelEncoder& operator=(const LevelEncoder&) = delete;
-  /// halves  centres and sides: a record for each band
-  [[nodiscard]] std::vector<std::byte> encode(std::array<std::vector<BandRecord<Code>>, 2> const& halves);
+  /// halves  centres and sides: a record for each stripe
+  [[nodiscard]] std::vector<std::byte> encode(std::array<std::vector<StripeRecord<Code>>, 2> const& halves);
 
  private:
   StreamProfile profile_;
@@ -65,21 +65,21 @@ class LevelDecoder {
   ~LevelDecoder();
   LevelDecoder(const LevelDecoder&) = delete;
   LevelDecoder& operator=(const LevelDecoder&) = delete;
-  /// The bytes of the next level; they must stay. Returns the number of bands.
+  /// The bytes of the next level; they must stay. Returns the number of stripes.
   /// fails  corrupt: anything they cannot be
   [[nodiscard]] std::size_t start(std::span<const std::byte> bytes);
-  /// Tells what the candidates of a row are. Bands may be taken by several threads, the rows of each in order, the
+  /// Tells what the candidates of a row are. Stripes may be taken by several threads, the rows of each in order, the
   /// centres of all before any sides.
-  void take(std::size_t half, std::size_t band, CandidateRow<Code>& row);
-  /// Whether each band was read to its end.
+  void take(std::size_t half, std::size_t stripe, CandidateRow<Code>& row);
+  /// Whether each stripe was read to its end.
   [[nodiscard]] bool is_intact() const;
 
-  struct Band;
+  struct Stripe;
 
  private:
   StreamProfile profile_;
   std::unique_ptr<SymbolState> state_;
-  std::array<std::vector<std::unique_ptr<Band>>, 2> bands_;
+  std::array<std::vector<std::unique_ptr<Stripe>>, 2> stripes_;
 };
 
 extern template class LevelEncoder<std::int32_t>;

@@ -332,17 +332,18 @@ class Teller {
 }  // namespace
 
 template <class Code>
-std::vector<std::byte> encode_mixed(MixedModel& model, const BandRecord<Code>& band, std::size_t half, int shift) {
+std::vector<std::byte> encode_mixed(MixedModel& model, const StripeRecord<Code>& stripe, std::size_t half, int shift) {
   std::vector<std::byte> out;
   DecisionWriter writer(out);
   Teller<Code, DecisionWriter> teller(model, writer, half, shift);
   std::size_t at = 0;
-  for (const auto& row : band.rows) {
-    teller.start_row(row.row, static_cast<std::size_t>(band.lattice->cols));
+  for (const auto& row : stripe.rows) {
+    teller.start_row(row.row, static_cast<std::size_t>(stripe.lattice->cols));
     for (std::size_t end = at + row.count; at < end; ++at) {
-      std::uint8_t present = band.present[at];
-      Code residual = band.residuals[at];
-      teller.tell(band.columns[at], band.contexts[at], band.energies[at], band.distances[at], present, residual);
+      std::uint8_t present = stripe.present[at];
+      Code residual = stripe.residuals[at];
+      teller.tell(stripe.columns[at], stripe.contexts[at], stripe.energies[at], stripe.distances[at], present,
+                  residual);
     }
   }
   writer.finish();
@@ -379,8 +380,8 @@ bool MixedReader<Code>::is_intact() const {
   return state_->reader.is_intact();
 }
 
-template std::vector<std::byte> encode_mixed(MixedModel&, const BandRecord<std::int32_t>&, std::size_t, int);
-template std::vector<std::byte> encode_mixed(MixedModel&, const BandRecord<std::int64_t>&, std::size_t, int);
+template std::vector<std::byte> encode_mixed(MixedModel&, const StripeRecord<std::int32_t>&, std::size_t, int);
+template std::vector<std::byte> encode_mixed(MixedModel&, const StripeRecord<std::int64_t>&, std::size_t, int);
 template class MixedReader<std::int32_t>;
 template class MixedReader<std::int64_t>;
 

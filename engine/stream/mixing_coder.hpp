@@ -16,7 +16,7 @@
 
 namespace talus {
 
-/// What the decisions so far have taught, of one band. Levels go on with it.
+/// What the decisions so far have taught, of one stripe. Levels go on with it.
 class MixedModel;
 struct MixedModelDelete {
   void operator()(MixedModel* model) const;
@@ -25,11 +25,11 @@ using MixedModelPointer = std::unique_ptr<MixedModel, MixedModelDelete>;
 [[nodiscard]] MixedModelPointer make_mixed_model();
 
 template <class Code>
-struct BandRecord;
+struct StripeRecord;
 
-/// The bytes of one band of half a level. shift: bits of residuals that are told as they are, see LevelEncoder.
+/// The bytes of one stripe of half a level. shift: bits of residuals that are told as they are, see LevelEncoder.
 template <class Code>
-[[nodiscard]] std::vector<std::byte> encode_mixed(MixedModel& model, const BandRecord<Code>& band, std::size_t half,
+[[nodiscard]] std::vector<std::byte> encode_mixed(MixedModel& model, const StripeRecord<Code>& stripe, std::size_t half,
                                                   int shift);
 
 /// Whatever the bytes are, every candidate is told something.

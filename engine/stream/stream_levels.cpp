@@ -192,14 +192,14 @@ LevelVertices<Code> root_vertices(const KnownLevels<Code>& known, GridRect windo
   return at;
 }
 
-/// One half of a level by bands. coder(band, row) tells.
+/// One half of a level by stripes. coder(stripe, row) tells.
 template <class Code, class Coder>
-std::vector<typename LevelWalk<Code>::WalkedRows> walk_half(LevelWalk<Code>& walk, std::size_t half, std::size_t bands,
-                                                            int threads, const KnownVertices<Code>& known,
-                                                            Coder&& coder) {
-  std::vector<typename LevelWalk<Code>::WalkedRows> parts(bands);
-  for_each_task(threads, bands, [&](int, std::size_t b) {
-    const std::int32_t first = band_row(walk.rows(), bands, b), last = band_row(walk.rows(), bands, b + 1);
+std::vector<typename LevelWalk<Code>::WalkedRows> walk_half(LevelWalk<Code>& walk, std::size_t half,
+                                                            std::size_t stripes, int threads,
+                                                            const KnownVertices<Code>& known, Coder&& coder) {
+  std::vector<typename LevelWalk<Code>::WalkedRows> parts(stripes);
+  for_each_task(threads, stripes, [&](int, std::size_t b) {
+    const std::int32_t first = stripe_row(walk.rows(), stripes, b), last = stripe_row(walk.rows(), stripes, b + 1);
     const auto tell = [&](CandidateRow<Code>& row) { coder(b, row); };
     parts[b] = half == 0 ? walk.centres(first, last, known, tell) : walk.sides(first, last, known, tell);
   });
@@ -342,22 +342,22 @@ class PartsEncoder {
       if (lists) own.push_back(p);
     });
     put_centres_first(own);
-    const std::size_t wanted = options_.bands > 0
-                                   ? static_cast<std::size_t>(options_.bands)
+    const std::size_t wanted = options_.stripes > 0
+                                   ? static_cast<std::size_t>(options_.stripes)
                                    : 1 + count / (h_.profile == StreamProfile::small ? 1u << 19 : 1u << 16);
-    const std::size_t bands = std::clamp<std::size_t>(wanted, 1, static_cast<std::size_t>(std::max(1, lattice.rows)));
+    const std::size_t stripes = std::clamp<std::size_t>(wanted, 1, static_cast<std::size_t>(std::max(1, lattice.rows)));
 
     LevelWalk<Code> walk(h_.window, so_far_, scale_, h_.has_loose, most_);
-    std::array<std::vector<BandRecord<Code>>, 2> records;
+    std::array<std::vector<StripeRecord<Code>>, 2> records;
     Scattered<Code> strays;
     for (std::size_t half = 0; half < 2; ++half) {
       const auto attempt = [&] {
-        records[half].assign(bands, {});
-        auto parts =
-            walk_half(walk, half, bands, threads_, known_.at(shift, half), [&](std::size_t b, CandidateRow<Code>& row) {
-              tell(lattice, row);
-              records[half][b].take(row, h_.profile == StreamProfile::small);
-            });
+        records[half].assign(stripes, {});
+        auto parts = walk_half(walk, half, stripes, threads_, known_.at(shift, half),
+                               [&](std::size_t b, CandidateRow<Code>& row) {
+                                 tell(lattice, row);
+                                 records[half][b].take(row, h_.profile == StreamProfile::small);
+                               });
         half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
       };
       attempt();
@@ -527,10 +527,10 @@ void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uin
   const std::size_t so_far = so_far_.heights.size();
   LevelWalk<Code> walk(header_.window, so_far_, Scale(coding_.tolerance), header_.has_loose,
                        so_far + known_.size(shift) + static_cast<std::size_t>(vertices));
-  const std::size_t bands = decoder_.start(symbols);
-  if (bands > static_cast<std::size_t>(std::max(1, walk.rows()))) refuse("more bands than rows");
+  const std::size_t stripes = decoder_.start(symbols);
+  if (stripes > static_cast<std::size_t>(std::max(1, walk.rows()))) refuse("more stripes than rows");
   for (const std::size_t half : {0u, 1u}) {
-    auto parts = walk_half(walk, half, bands, threads_, known_.at(shift, half),
+    auto parts = walk_half(walk, half, stripes, threads_, known_.at(shift, half),
                            [&](std::size_t b, CandidateRow<Code>& row) { decoder_.take(half, b, row); });
     half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
   }

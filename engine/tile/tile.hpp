@@ -52,7 +52,7 @@ struct TileInput {
   ErrorRule rule = {};
 };
 
-/// What the tiers above must know of a tile. A few kB; everything in it depends on the tile's window only.
+/// What the coarser levels must know of a tile. A few kB; everything in it depends on the tile's window only.
 struct TileRecord {
   /// One of the 16×16 blocks of kBlockSide cells.
   struct Block {
@@ -79,7 +79,7 @@ struct TileRecord {
   /// A half of this side has data and a corner whose fill is not known here: kNoFill. Its error above is the mixed
   /// triangle's least, without any distance.
   static constexpr std::uint8_t kOpenHalf[2] = {1 << 4, 1 << 5};
-  /// The vertex is void and has no valid sample within kFillReach: the tiers above give it a height.
+  /// The vertex is void and has no valid sample within kFillReach: the coarser levels give it a height.
   static constexpr std::uint8_t kNoFill = 1 << 6;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the file keeps of a tile beside its pages, so that the tiers above it, an interrupted ingest and later tiles
+// What the file keeps of a tile beside its pages, so that the coarser levels, an interrupted ingest and later tiles
 // need not read its samples again.
 
 #include <array>

@@ -128,7 +128,7 @@ struct IngestEstimate {
 ///           `unfinished_file(database)` and can be resumed, unless the inputs are at fault
 /// cost      memory as `options` says; time linear, about 50 ns a sample and core; one pass over the samples, and one
 ///           over the bytes of all files before it, for their checksums
-/// source    exact errors [P98 §5], saturation, tiers of blocks [P98 §10], pages docs/format/v2.md
+/// source    exact errors [P98 §5], saturation, levels of blocks [P98 §10], pages docs/format/v2.md
 IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,

@@ -32,9 +32,9 @@ enum class StreamProfile {
 struct StreamOptions {
   StreamProfile profile = StreamProfile::balanced;
   int threads = 0;  ///< 0: one a core. Changes nothing but the time
-  /// Each level is cut into as many bands, which several threads can read at once; a band costs some bytes. 0: one for
+  /// Each level is cut into as many stripes, which several threads can read at once; a stripe costs some bytes. 0: one for
   /// each 65,536 vertices.
-  int bands = 0;
+  int stripes = 0;
 };
 
 /// What a stream may take to read. Its header says how large it will be, and anybody may have written that.

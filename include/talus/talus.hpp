@@ -1,16 +1,29 @@
 #pragma once
 // Talus: start here.
 //
-//   talus::ingest("alps.tif", "alps.talus");
+//   talus::ingest("alps.tif", "alps.talus");                          // talus/ingest.hpp
 //   auto alps = talus::Database::open("alps.talus");
 //   auto now = alps.snapshot();
 //   auto mesh = now.mesh({7.5, 45.9, 7.8, 46.1}, talus::Metres{2});   // every sample within 2 m of it
 //   talus::write_mesh(mesh, now.description(), "matterhorn.ply");
 //
-// The verbs: ingest, open, snapshot; then ask (with a Question), mesh, height, heights, profile, samples; and
-// triangulate, write_mesh, verify. Each of their headers says shapes, units, failures and cost; docs/architecture.md
-// shows the way of the data through the folders.
+// Six verbs: open, snapshot, ask, triangulate, verify, write. Each of their headers says shapes, units, failures and cost;
+// docs/architecture.md shows the way of the data through the folders.
+//
+// This header is all of Talus that reads: link talus::read, which needs neither GDAL nor PROJ. talus/ingest.hpp makes
+// databases and talus/raster_output.hpp writes rasters: link talus::ingest for them, or talus::talus for both.
 
-#include "talus/ingest.hpp"
-#include "talus/raster_output.hpp"
-#include "talus/read.hpp"
+#include "talus/accuracy.hpp"
+#include "talus/bitree.hpp"
+#include "talus/database.hpp"
+#include "talus/description.hpp"
+#include "talus/failure.hpp"
+#include "talus/increment.hpp"
+#include "talus/positions.hpp"
+#include "talus/progression.hpp"
+#include "talus/quadtree.hpp"
+#include "talus/session.hpp"
+#include "talus/stream.hpp"
+#include "talus/strip.hpp"
+#include "talus/units.hpp"
+#include "talus/version.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/cli/command.hpp"
 

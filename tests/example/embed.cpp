@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 
 int main(int argc, char** argv) try {

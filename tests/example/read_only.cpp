@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "talus/read.hpp"
+#include "talus/talus.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 3) {

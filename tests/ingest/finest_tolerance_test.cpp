@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/oracle.hpp"

@@ -9,6 +9,7 @@
 #include "ingest/mosaic/input_files.hpp"
 #include "ingest/mosaic/source.hpp"
 #include "talus/failure.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"

@@ -16,6 +16,7 @@
 
 #include "ingest/mosaic/source.hpp"
 #include "talus/failure.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"
@@ -288,28 +289,29 @@ TEST_F(MosaicTest, TilesThatDoNotFitSayWhatWould) {
   other.geotransform[0] += 3;
   const Failure shifted = failure_with({a, constant("b.tif", 3, 3, 1, other)});
   EXPECT_EQ(shifted.cause(), Cause::unsupported);
-  EXPECT_THAT(shifted.what(), AllOf(HasSubstr("b.tif"), HasSubstr("not one grid"), HasSubstr("--tr")));
+  EXPECT_THAT(shifted.what(),
+              AllOf(HasSubstr("b.tif"), HasSubstr("not one grid"), HasSubstr("InputOptions::target_dx")));
   other = at(3, 0);
   other.geotransform[1] = 10.01;
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(), HasSubstr("10.01"));
   other = at(3, 0);
   other.crs = "EPSG:25833";
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(),
-              AllOf(HasSubstr("another coordinate system"), HasSubstr("--t-srs")));
+              AllOf(HasSubstr("another coordinate system"), HasSubstr("InputOptions::target_srs")));
   other.crs = "";
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(),
-              AllOf(HasSubstr("b.tif"), HasSubstr("no coordinate system"), HasSubstr("--srs")));
+              AllOf(HasSubstr("b.tif"), HasSubstr("no coordinate system"), HasSubstr("InputOptions::srs")));
   InputOptions options;
   options.srs = "EPSG:25832";
   EXPECT_EQ((Source{{a, folder_ / "b.tif"}, options}.description().extent), (GridRect{{0, 0}, {5, 2}}));
   other = at(3, 0);
   other.unit = "ft";
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(),
-              AllOf(HasSubstr("b.tif"), HasSubstr("ft"), HasSubstr("--vertical-unit")));
+              AllOf(HasSubstr("b.tif"), HasSubstr("ft"), HasSubstr("InputOptions::vertical_unit")));
   other = at(3, 0);
   other.geotransform[2] = 1;
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(),
-              AllOf(HasSubstr("b.tif"), HasSubstr("rotated"), HasSubstr("--t-srs")));
+              AllOf(HasSubstr("b.tif"), HasSubstr("rotated"), HasSubstr("InputOptions::target_srs")));
   other.geotransform = {0, 1, 0, 0, 0, 1};
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(),
               AllOf(HasSubstr("b.tif"), HasSubstr("no position")));
@@ -356,7 +358,7 @@ TEST_F(MosaicTest, UnitsComeFromTheBandTheCrsOrTheOption) {
   said.vertical_unit = "foot";
   EXPECT_EQ((Source{{silent}, said}.description().metres_per_unit), 0.3048);
   options.unit = "m";
-  EXPECT_TRUE(says(Source{{constant("c.tif", 2, 2, 1, options)}, said}.notes(), "--vertical-unit"));
+  EXPECT_TRUE(says(Source{{constant("c.tif", 2, 2, 1, options)}, said}.notes(), "InputOptions::vertical_unit"));
   said.vertical_unit = "ell";
   EXPECT_EQ(failure_with({silent}, said).cause(), Cause::invalid_argument);
 }
@@ -366,7 +368,7 @@ TEST_F(MosaicTest, AnSrsThatOverrulesIsNoted) {
   options.srs = "EPSG:25833";
   const Source source{{constant("a.tif", 2, 2, 1, at(0, 0))}, options};
   EXPECT_THAT(source.description().crs_wkt, HasSubstr("UTM zone 33N"));
-  EXPECT_TRUE(says(source.notes(), "--srs"));
+  EXPECT_TRUE(says(source.notes(), "InputOptions::srs"));
   options.srs = "EPSG:nowhere";
   EXPECT_EQ(failure_with({folder_ / "a.tif"}, options).cause(), Cause::invalid_argument);
   for (const std::string& elsewhere : {(folder_ / "a.tif").string(), std::string("http://localhost/crs")}) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "talus/failure.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/raster_file.hpp"
 
 namespace talus::support {

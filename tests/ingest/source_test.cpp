@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "talus/failure.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"

@@ -12,6 +12,7 @@
 #include "ingest/work/memory_plan.hpp"
 #include "ingest/work/panels.hpp"
 #include "storage/page_store.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/oracle.hpp"

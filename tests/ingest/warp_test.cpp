@@ -12,6 +12,7 @@
 
 #include "ingest/mosaic/source.hpp"
 #include "talus/failure.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"
@@ -215,7 +216,10 @@ TEST_F(WarpTest, ARotatedRasterIsTurnedOnRequestOnly) {
   RasterOptions options = utm(500000, 5200000, 10, SampleType::float32);
   options.geotransform = {500000, 8, 6, 5200000, 6, -8};
   const fs::path file = write("r.tif", support::surface(50, 50, [](int, int) { return 5; }), options);
-  EXPECT_THAT(failure_of([&] { Source{{file}, {}}; }).what(), AllOf(HasSubstr("rotated"), HasSubstr("--tr")));
+  EXPECT_THAT(failure_of([&] {
+                Source{{file}, {}};
+              }).what(),
+              AllOf(HasSubstr("rotated"), HasSubstr("InputOptions::target_dx")));
   InputOptions target;
   target.target_dx = target.target_dy = 10;
   const Terrain found = as_terrain(Source{{file}, target});
@@ -263,7 +267,10 @@ TEST_F(WarpTest, OptionsThatMakeNoSenseAreRefused) {
   nowhere.crs = "";
   InputOptions options;
   options.target_srs = "EPSG:4326";
-  EXPECT_THAT(failure_of([&] { Source{{plane("n.tif", 4, 4, nowhere)}, options}; }).what(), HasSubstr("--srs"));
+  EXPECT_THAT(failure_of([&] {
+                Source{{plane("n.tif", 4, 4, nowhere)}, options};
+              }).what(),
+              HasSubstr("InputOptions::srs"));
 }
 
 TEST_F(WarpTest, InfinitiesAreNamedNotSmeared) {

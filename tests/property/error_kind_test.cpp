@@ -8,6 +8,7 @@
 
 #include "engine/quadtree/grid.hpp"
 #include "engine/stream/stream_codec.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/random_raster.hpp"
@@ -232,7 +233,7 @@ TEST(ErrorKinds, AreRefusedWhereTheyPromiseNothing) {
   IngestOptions midpoint = options_of(kMidpoint);
   midpoint.no_guarantee = false;
   EXPECT_EQ(refused(midpoint).cause(), Cause::invalid_argument);
-  EXPECT_NE(std::string(refused(midpoint).what()).find("--no-guarantee"), std::string::npos);
+  EXPECT_NE(std::string(refused(midpoint).what()).find("IngestOptions::no_guarantee"), std::string::npos);
   EXPECT_EQ(refused(options_of({ErrorKind::nested, ErrorMetric::perpendicular})).cause(), Cause::invalid_argument);
   IngestOptions kept = options_of(kPerpendicular);
   kept.finest_tolerance = Metres{2};

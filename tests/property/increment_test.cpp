@@ -11,6 +11,7 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "query/snapshot_view.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/quadtrees.hpp"

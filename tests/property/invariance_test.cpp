@@ -32,6 +32,7 @@
 
 #include "engine/error/error_ladder.hpp"
 #include "engine/quadtree/grid.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"
 

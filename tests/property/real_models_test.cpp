@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/stream/stream_codec.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/quadtrees.hpp"
@@ -115,7 +116,7 @@ TEST_P(StreamPromise, HoldsOnTheOtherSideOfTheWire) {
       for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
         StreamOptions options;
         options.profile = profile;
-        options.bands = random.between(0, 3);
+        options.stripes = random.between(0, 3);
         expect_stream(c, answer, options, profile == StreamProfile::balanced);
         if (HasFailure()) return;
       }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/real_models.hpp"

@@ -22,6 +22,7 @@
 
 #include "query/pages/watch.hpp"
 #include "query/selection/combinations.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/quadtrees.hpp"
 #include "tests/support/raster_file.hpp"

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"
 #include "tests/support/surface_of_mesh.hpp"

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "query/pages/stored_pages.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"

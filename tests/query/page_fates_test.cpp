@@ -12,6 +12,7 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "query/snapshot_view.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random_raster.hpp"
 #include "tests/support/raster_file.hpp"

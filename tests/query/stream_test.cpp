@@ -12,6 +12,7 @@
 #include <xxhash.h>
 
 #include "engine/stream/stream_codec.hpp"
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/quadtrees.hpp"
@@ -59,7 +60,7 @@ TEST(Streams, AreReadBackBitForBit) {
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::small}) {
       StreamOptions options;
       options.profile = profile;
-      options.bands = 1 + static_cast<int>(seed % 4);
+      options.stripes = 1 + static_cast<int>(seed % 4);
       options.threads = 2;
       const Bytes other = encode({now.description(), answer}, options);
       ASSERT_EQ(difference(std::get<RestrictedQuadtree>(decode_stream(other, {}, nullptr, 2).content), answer), "");
@@ -161,7 +162,7 @@ std::vector<Example> examples() {
   for (const StreamProfile profile : {StreamProfile::balanced, StreamProfile::fast, StreamProfile::small}) {
     StreamOptions options;
     options.profile = profile;
-    options.bands = profile == StreamProfile::fast ? 2 : 1;
+    options.stripes = profile == StreamProfile::fast ? 2 : 1;
     made_of.push_back({encode({now.description(), finer}, options), std::nullopt, options});
     made_of.push_back({encode({now.description(),
                                increment_of(now.ask({.region = region, .tolerance = Metres{3}, .from = Metres{10}}))},

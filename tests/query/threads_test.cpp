@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"

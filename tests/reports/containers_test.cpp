@@ -4,6 +4,7 @@
 
 #include <gdal_priv.h>
 
+#include "talus/ingest.hpp"
 #include "tests/reports/report.hpp"
 
 namespace talus::support {

@@ -6,6 +6,7 @@
 
 #include <gdal_priv.h>
 
+#include "talus/ingest.hpp"
 #include "tests/reports/report.hpp"
 
 namespace talus::support {

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "talus/ingest.hpp"
 #include "tests/cli/command.hpp"
 #include "tests/support/gdal_cells.hpp"
 

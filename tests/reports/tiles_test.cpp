@@ -5,6 +5,7 @@
 
 #include <sys/stat.h>
 
+#include "talus/ingest.hpp"
 #include "tests/reports/report.hpp"
 
 namespace talus::support {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 
+#include "talus/ingest.hpp"
 #include "tests/reports/report.hpp"
 
 namespace talus::support {

@@ -22,6 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/raster_file.hpp"
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/random.hpp"

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/stream/stream_codec.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/float_exceptions.hpp"
 #include "tests/support/quadtrees.hpp"
 
@@ -280,7 +281,7 @@ Mesh HardDatabase::streamed(const RestrictedQuadtree& answer) const {
   for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
     const Stream stream{now().description(), answer};
     const auto back = without_float_exceptions(
-        [&] { return decode_stream(encode(stream, {.profile = profile, .bands = 2}), {}, nullptr, 2).content; },
+        [&] { return decode_stream(encode(stream, {.profile = profile, .stripes = 2}), {}, nullptr, 2).content; },
         kWatchedOfStreams);
     read = std::get<RestrictedQuadtree>(back);
     EXPECT_EQ(difference(read, answer), "");
@@ -307,7 +308,9 @@ void HardDatabase::check_streams(double tolerance) const {
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       const auto back = [&](const Stream& stream, const RestrictedQuadtree* base) {
         return without_float_exceptions(
-            [&] { return decode_stream(encode(stream, {.profile = profile, .bands = 2}, base), {}, base, 2).content; },
+            [&] {
+              return decode_stream(encode(stream, {.profile = profile, .stripes = 2}, base), {}, base, 2).content;
+            },
             kWatchedOfStreams);
       };
       EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back({now().description(), answer}, nullptr)), answer), "");

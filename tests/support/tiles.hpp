@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "ingest/mosaic/source.hpp"
+#include "talus/ingest.hpp"
 #include "tests/support/inputs.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"

@@ -1,4 +1,4 @@
-// Danger: a stream whose levels are cut into more bands than they have vertices, or none at all. Vertices a band,
+// Danger: a stream whose levels are cut into more stripes than they have vertices, or none at all. Vertices a stripe,
 // rounded down, are none, and nobody can divide by that or skip ahead in steps of it.
 
 #include <vector>
@@ -13,9 +13,9 @@
 namespace talus::support {
 namespace {
 
-constexpr int kBands = 1000;
+constexpr int kStripes = 1000;
 
-std::size_t naive_vertices_a_band(std::size_t vertices) { return vertices / kBands; }
+std::size_t naive_vertices_a_stripe(std::size_t vertices) { return vertices / kStripes; }
 
 void expect_streams(const HardDatabase& database) {
   const Snapshot& now = database.now();
@@ -23,7 +23,7 @@ void expect_streams(const HardDatabase& database) {
     const RestrictedQuadtree answer = now.ask({.region = database.extent(), .tolerance = Metres{tolerance}}).quadtree;
     for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
       for (const int threads : {0, 1, 3}) {
-        const StreamOptions options{.profile = profile, .threads = threads, .bands = kBands};
+        const StreamOptions options{.profile = profile, .threads = threads, .stripes = kStripes};
         const auto back = without_float_exceptions(
             [&] {
               return decode_stream(encode({now.description(), answer}, options), {}, nullptr, threads).content;
@@ -35,15 +35,15 @@ void expect_streams(const HardDatabase& database) {
   }
 }
 
-TEST(MoreBandsThanVertices, LeaveNoneForABand) {
+TEST(MoreStripesThanVertices, LeaveNoneForAStripe) {
   const HardDatabase database({.terrain = hills(9, 7)});
   const std::size_t all =
       database.now().ask({.region = database.extent(), .tolerance = Metres{0}}).quadtree.vertices.size();
   EXPECT_GT(all, 20u);
-  EXPECT_EQ(naive_vertices_a_band(all), 0u);
+  EXPECT_EQ(naive_vertices_a_stripe(all), 0u);
 }
 
-TEST(MoreBandsThanVertices, KeepThePromise) {
+TEST(MoreStripesThanVertices, KeepThePromise) {
   for (const GridPoint size : {GridPoint{9, 7}, {1, 1}, {1, 40}, {2, 2}, {65, 33}}) {
     SCOPED_TRACE(::testing::Message() << size.col << " x " << size.row);
     const HardDatabase database({.terrain = hills(size.col, size.row)});
@@ -52,7 +52,7 @@ TEST(MoreBandsThanVertices, KeepThePromise) {
   }
 }
 
-TEST(MoreBandsThanVertices, OfVoidsKeepThePromise) {
+TEST(MoreStripesThanVertices, OfVoidsKeepThePromise) {
   HardCase hard{.terrain = random_voids(hills(66, 41), 0.9, 3)};
   hard.judging = {.cell_width_m = 1, .cell_height_m = 1};
   const HardDatabase database(hard);

@@ -1,0 +1,46 @@
+#include "engine/geo/globe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <GeographicLib/Geocentric.hpp>
+#include <GeographicLib/LocalCartesian.hpp>
+#include <fmt/format.h>
+
+#include "talus/failure.hpp"
+
+namespace talus {
+
+struct Globe::Frames {
+  GeographicLib::Geocentric earth;
+  std::optional<GeographicLib::LocalCartesian> local = {};
+};
+
+Globe::Globe(const CrsFacts& crs)
+    : crs_(crs), frames_(new Frames{GeographicLib::Geocentric(crs.equatorial_radius, crs.flattening)}) {}
+Globe::~Globe() = default;
+
+void Globe::set_origin(Position position, double height_m) {
+  const double longitude = position.x * crs_.degrees_per_unit, latitude = position.y * crs_.degrees_per_unit;
+  if (!std::isfinite(longitude) || !std::isfinite(height_m) || !(std::abs(latitude) <= 90)) {
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("origin {}, {}, {}: expected a longitude, a latitude and a height", position.x,
+                              position.y, height_m));
+  }
+  frames_->local.emplace(latitude, longitude, height_m, frames_->earth);
+}
+
+std::array<double, 3> Globe::at(Position position, double height_m) const {
+  std::array<double, 3> p{};
+  const double longitude = position.x * crs_.degrees_per_unit;
+  const double latitude = std::clamp(position.y * crs_.degrees_per_unit, -90.0, 90.0);
+  if (frames_->local) {
+    frames_->local->Forward(latitude, longitude, height_m, p[0], p[1], p[2]);
+  } else {
+    frames_->earth.Forward(latitude, longitude, height_m, p[0], p[1], p[2]);
+  }
+  return p;
+}
+
+}  // namespace talus

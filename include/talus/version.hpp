@@ -1,0 +1,8 @@
+#pragma once
+// Which Talus a program is compiled against.
+
+#define TALUS_VERSION_MAJOR 0
+#define TALUS_VERSION_MINOR 1
+#define TALUS_VERSION_PATCH 0
+/// For comparisons in the preprocessor: 1002003 is 1.2.3.
+#define TALUS_VERSION_NUMBER (TALUS_VERSION_MAJOR * 1000000 + TALUS_VERSION_MINOR * 1000 + TALUS_VERSION_PATCH)
