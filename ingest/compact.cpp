@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "ingest/work/part_file.hpp"
-#include "ingest/work/sound_file.hpp"
+#include "ingest/job/part_file.hpp"
+#include "ingest/job/sound_file.hpp"
 #include "storage/page_store.hpp"
 #include "talus/ingest.hpp"
 

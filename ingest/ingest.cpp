@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "engine/page/manifest.hpp"
+#include "ingest/job/job.hpp"
+#include "ingest/job/left_work.hpp"
+#include "ingest/job/part_file.hpp"
+#include "ingest/job/plan.hpp"
 #include "ingest/mosaic/input_files.hpp"
-#include "ingest/work/job.hpp"
-#include "ingest/work/left_work.hpp"
-#include "ingest/work/part_file.hpp"
-#include "ingest/work/plan.hpp"
 
 namespace talus {
 namespace {

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "ingest/files/gdal_scope.hpp"
+#include "ingest/job/changes.hpp"
+#include "ingest/job/existing_database.hpp"
+#include "ingest/job/job.hpp"
+#include "ingest/job/part_file.hpp"
+#include "ingest/job/plan.hpp"
+#include "ingest/job/sound_file.hpp"
 #include "ingest/mosaic/input_files.hpp"
-#include "ingest/work/changes.hpp"
-#include "ingest/work/existing_database.hpp"
-#include "ingest/work/job.hpp"
-#include "ingest/work/part_file.hpp"
-#include "ingest/work/plan.hpp"
-#include "ingest/work/sound_file.hpp"
 
 namespace talus {
 namespace {

@@ -53,7 +53,7 @@ ROOMS = {
     "ingest/files": "",
     "ingest/raster": "files",
     "ingest/mosaic": "files raster",
-    "ingest/work": "files raster mosaic",
+    "ingest/job": "files raster mosaic",
     "app/terminal": "",
     "app/files": "terminal",
     "app/options": "terminal files",

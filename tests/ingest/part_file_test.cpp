@@ -1,6 +1,6 @@
 // The file an ingest works in: published whole, or gone.
 
-#include "ingest/work/part_file.hpp"
+#include "ingest/job/part_file.hpp"
 
 #include <fstream>
 #include <functional>

@@ -9,8 +9,8 @@
 
 #include "engine/page/manifest.hpp"
 #include "engine/tile/tile.hpp"
-#include "ingest/work/memory_plan.hpp"
-#include "ingest/work/panels.hpp"
+#include "ingest/job/memory_plan.hpp"
+#include "ingest/job/panels.hpp"
 #include "storage/page_store.hpp"
 #include "talus/ingest.hpp"
 #include "talus/talus.hpp"

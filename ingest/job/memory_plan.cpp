@@ -1,11 +1,11 @@
-#include "ingest/work/memory_plan.hpp"
+#include "ingest/job/memory_plan.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "engine/machine/parallel.hpp"
-#include "ingest/work/panels.hpp"
+#include "ingest/job/panels.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "engine/page/manifest.hpp"
-#include "ingest/work/panels.hpp"
+#include "ingest/job/panels.hpp"
 #include "storage/page_store.hpp"
 
 namespace talus {

@@ -1,4 +1,4 @@
-#include "ingest/work/existing_database.hpp"
+#include "ingest/job/existing_database.hpp"
 
 #include <algorithm>
 #include <variant>

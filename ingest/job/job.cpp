@@ -1,4 +1,4 @@
-#include "ingest/work/job.hpp"
+#include "ingest/job/job.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -12,7 +12,7 @@
 #include "engine/machine/parallel.hpp"
 #include "engine/tile/coarse_levels.hpp"
 #include "ingest/files/gdal_scope.hpp"
-#include "ingest/work/thread_pool.hpp"
+#include "ingest/job/thread_pool.hpp"
 
 namespace talus {
 namespace {

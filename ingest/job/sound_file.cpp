@@ -1,4 +1,4 @@
-#include "ingest/work/sound_file.hpp"
+#include "ingest/job/sound_file.hpp"
 
 #include <fmt/format.h>
 

@@ -6,11 +6,11 @@
 
 #include "engine/geo/geodesy.hpp"
 #include "engine/page/manifest.hpp"
+#include "ingest/job/memory_plan.hpp"
+#include "ingest/job/panels.hpp"
+#include "ingest/job/tile_pages.hpp"
 #include "ingest/mosaic/input_files.hpp"
 #include "ingest/mosaic/source.hpp"
-#include "ingest/work/memory_plan.hpp"
-#include "ingest/work/panels.hpp"
-#include "ingest/work/tile_pages.hpp"
 #include "storage/page_store.hpp"
 #include "talus/ingest.hpp"
 

@@ -1,10 +1,10 @@
-#include "ingest/work/left_work.hpp"
+#include "ingest/job/left_work.hpp"
 
 #include <fmt/format.h>
 
 #include "engine/page/page_codec.hpp"
 #include "engine/tile/tile_summary.hpp"
-#include "ingest/work/plan.hpp"
+#include "ingest/job/plan.hpp"
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
 

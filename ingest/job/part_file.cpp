@@ -1,4 +1,4 @@
-#include "ingest/work/part_file.hpp"
+#include "ingest/job/part_file.hpp"
 
 #include <array>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "ingest/work/panels.hpp"
+#include "ingest/job/panels.hpp"
 
 #include <algorithm>
 #include <cstring>

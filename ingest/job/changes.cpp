@@ -1,4 +1,4 @@
-#include "ingest/work/changes.hpp"
+#include "ingest/job/changes.hpp"
 
 #include <algorithm>
 #include <bit>

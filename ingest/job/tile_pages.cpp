@@ -1,4 +1,4 @@
-#include "ingest/work/tile_pages.hpp"
+#include "ingest/job/tile_pages.hpp"
 
 #include <algorithm>
 #include <limits>

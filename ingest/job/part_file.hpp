@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "ingest/files/file_state.hpp"
-#include "ingest/work/left_work.hpp"
+#include "ingest/job/left_work.hpp"
 
 namespace talus {
 

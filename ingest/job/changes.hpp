@@ -4,8 +4,8 @@
 #include <functional>
 #include <unordered_map>
 
+#include "ingest/job/existing_database.hpp"
 #include "ingest/mosaic/source.hpp"
-#include "ingest/work/existing_database.hpp"
 #include "talus/ingest.hpp"
 
 namespace talus {

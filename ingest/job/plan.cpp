@@ -1,4 +1,4 @@
-#include "ingest/work/plan.hpp"
+#include "ingest/job/plan.hpp"
 
 #include <algorithm>
 #include <cstdlib>
