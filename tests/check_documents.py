@@ -14,6 +14,8 @@ import re
 import sys
 from pathlib import Path
 
+from marked_lines import report
+
 from check_includes import ROOMS
 
 # The first folder of a path, and where it lies.
@@ -106,27 +108,8 @@ def findings(root):
     if architecture.exists():
         for objection in objections_to_rooms(architecture):
             broken[objection] = f"docs/architecture.md: {objection}"
-    if not documents:
-        sys.exit(f"{root}: no documents here to check")
     return broken, marked, len(documents)
 
 
-def main(arguments):
-    expect_marked = arguments[:1] == ["--expect-marked"]
-    if len(arguments) != 1 + expect_marked:
-        sys.exit(__doc__)
-    broken, marked, count = findings(Path(arguments[-1]).resolve())
-    if expect_marked:
-        wrong = sorted(marked ^ broken.keys())
-        for place in wrong:
-            print(f"{place}: {'should have been refused' if place in marked else 'should have been let in'}")
-        print(f"{len(marked)} bad lines, {len(wrong)} of them misjudged")
-        return 1 if wrong or not marked else 0
-    for sentence in broken.values():
-        print(sentence)
-    print(f"{count} documents, {len(broken)} lines with a path or link that leads nowhere")
-    return 1 if broken else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(report(sys.argv[1:], __doc__, findings, "paths and links"))

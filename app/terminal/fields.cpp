@@ -44,7 +44,7 @@ constexpr std::array<std::pair<const char*, const char*>, 37> kOptions{{
     {"Question::points", "points and lines"},
     {"Question::neighbours", "--match"},
     {"Question::threads", "--threads"},
-    {"see snapped(),", "--snap 16,"},
+    {"snapped()", "--snap 16"},
 }};
 
 }  // namespace

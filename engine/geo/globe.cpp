@@ -19,17 +19,15 @@ struct Globe::Frames {
 
 Globe::Globe(const CrsFacts& crs)
     : crs_(crs), frames_(new Frames{GeographicLib::Geocentric(crs.equatorial_radius, crs.flattening)}) {}
-Globe::~Globe() = default;
-
-void Globe::set_origin(Position position, double height_m) {
-  const double longitude = position.x * crs_.degrees_per_unit, latitude = position.y * crs_.degrees_per_unit;
-  if (!std::isfinite(longitude) || !std::isfinite(height_m) || !(std::abs(latitude) <= 90)) {
+Globe::Globe(const CrsFacts& crs, Position origin, double height_m) : Globe(crs) {
+  const double longitude = origin.x * crs.degrees_per_unit, latitude = origin.y * crs.degrees_per_unit;
+  if (!(std::abs(latitude) <= 90)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("origin {}, {}, {}: expected a longitude, a latitude and a height", position.x,
-                              position.y, height_m));
+                  fmt::format("origin {}, {}: expected a latitude between the poles", origin.x, origin.y));
   }
   frames_->local.emplace(latitude, longitude, height_m, frames_->earth);
 }
+Globe::~Globe() = default;
 
 std::array<double, 3> Globe::at(Position position, double height_m) const {
   std::array<double, 3> p{};

@@ -10,15 +10,15 @@ namespace talus {
 
 class Globe {
  public:
+  /// Counts from the centre of the Earth.
   /// crs  geographic
   explicit Globe(const CrsFacts& crs);
+  /// Counts from a point: east, north and up.
+  /// fails  invalid_argument: a latitude beyond a pole
+  Globe(const CrsFacts& crs, Position origin, double height_m);
   ~Globe();
   Globe(const Globe&) = delete;
   Globe& operator=(const Globe&) = delete;
-
-  /// Counts from here from now on: east, north and up. Without it `at` counts from the centre of the Earth.
-  /// fails  invalid_argument: a latitude beyond a pole, or a coordinate that is no finite number
-  void set_origin(Position position, double height_m);
 
   /// position  in units of the CRS
   [[nodiscard]] std::array<double, 3> at(Position position, double height_m) const;

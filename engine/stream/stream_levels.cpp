@@ -4,7 +4,6 @@
 #include <bit>
 #include <numeric>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,130 +11,16 @@
 #include "engine/machine/parallel.hpp"
 #include "engine/page/number_coder.hpp"
 #include "engine/quadtree/border.hpp"
+#include "engine/stream/scattered_numbers.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) { throw Failure(Cause::corrupt, "corrupt: " + what); }
-
 bool is_before(GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row : a.col < b.col; }
 
 int level_of(GridPoint p, int root) { return std::min(height_in_tree(p), root); }
-
-// ---- numbers told one by one: a few vertices, and covers ---------------------------------------------------
-
-/// Contexts of a NumberWriter.
-enum NumberContext : int {
-  kCount = 0,
-  kIsThere = 1,
-  kRows = 2,
-  kColumns = 3,
-  kHeight = 8 /* to 16 */,
-  kCover = 24 /* to 39 */
-};
-
-std::uint64_t folded(std::int64_t v) {
-  return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63);
-}
-std::int64_t unfolded(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (~(v & 1) + 1)); }
-
-/// Expects heights of scattered vertices, row by row: the height of the nearest one before it in its row or column.
-class Neighbourhood {
- public:
-  struct Guess {
-    std::int64_t height;
-    int context;
-  };
-  [[nodiscard]] Guess guess(GridPoint p) const {
-    if (!has_last_) return {0, kHeight + 8};
-    std::int64_t distance = std::int64_t{1} << 40, height = last_;
-    if (at_.row == p.row) distance = std::int64_t{p.col} - at_.col;
-    const auto above = columns_.find(p.col);
-    if (above != columns_.end() && std::int64_t{p.row} - above->second.first < distance) {
-      distance = std::int64_t{p.row} - above->second.first;
-      height = above->second.second;
-    }
-    return {height, kHeight + std::min(7, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(distance))))};
-  }
-  void take(GridPoint p, std::int64_t height) {
-    has_last_ = true;
-    at_ = p;
-    last_ = height;
-    columns_[p.col] = {p.row, height};
-  }
-
- private:
-  bool has_last_ = false;
-  GridPoint at_;
-  std::int64_t last_ = 0;
-  std::unordered_map<std::int32_t, std::pair<std::int32_t, std::int64_t>> columns_;
-};
-
-template <class Code>
-struct Scattered {
-  std::vector<GridPoint> points;
-  std::vector<Code> heights;
-};
-
-template <class Code>
-void put_heights(NumberWriter& out, const Scattered<Code>& vertices) {
-  Neighbourhood near;
-  for (std::size_t i = 0; i < vertices.points.size(); ++i) {
-    const auto guess = near.guess(vertices.points[i]);
-    const std::int64_t height = vertices.heights[i];
-    out.put(folded(wrapped_difference(height, guess.height)), guess.context);
-    near.take(vertices.points[i], height);
-  }
-}
-template <class Code>
-void take_heights(NumberReader& in, Scattered<Code>& vertices) {
-  Neighbourhood near;
-  vertices.heights.resize(vertices.points.size());
-  for (std::size_t i = 0; i < vertices.points.size(); ++i) {
-    const auto guess = near.guess(vertices.points[i]);
-    const std::int64_t height = wrapped_sum(guess.height, unfolded(in.get(guess.context)));
-    vertices.heights[i] = static_cast<Code>(height);
-    near.take(vertices.points[i], vertices.heights[i]);
-  }
-}
-
-/// Points row by row, as multiples of a spacing in the window.
-void put_points(NumberWriter& out, const BitLattice& lattice, std::span<const GridPoint> points) {
-  out.put(points.size(), kCount);
-  std::int32_t row = 0, col = 0;
-  for (const GridPoint p : points) {
-    const std::int32_t i = (p.col >> lattice.shift) - lattice.first_col,
-                       j = (p.row >> lattice.shift) - lattice.first_row;
-    out.put(static_cast<std::uint64_t>(j - row), kRows);
-    if (j != row) col = 0;
-    out.put(static_cast<std::uint64_t>(i - col), kColumns);
-    row = j, col = i + 1;
-  }
-}
-/// accept(p) says whether there may be a vertex.
-template <class Accept>
-std::vector<GridPoint> take_points(NumberReader& in, const BitLattice& lattice, std::uint64_t most, Accept&& accept) {
-  const std::uint64_t count = in.get(kCount);
-  if (count > most) refuse(fmt::format("{} scattered vertices", count));
-  std::vector<GridPoint> points;
-  std::uint64_t row = 0, col = 0;
-  for (std::uint64_t k = 0; k < count; ++k) {
-    const std::uint64_t down = in.get(kRows);
-    if (down > 0) col = 0;
-    const std::uint64_t right = in.get(kColumns);
-    if (down >= static_cast<std::uint64_t>(lattice.rows) || right >= static_cast<std::uint64_t>(lattice.cols) ||
-        row + down >= static_cast<std::uint64_t>(lattice.rows) ||
-        col + right >= static_cast<std::uint64_t>(lattice.cols))
-      refuse("a vertex outside the window");
-    row += down, col += right;
-    points.push_back(lattice.at(static_cast<std::int32_t>(col), static_cast<std::int32_t>(row)));
-    if (!accept(points.back())) refuse("a vertex of another level, or one that is there already");
-    ++col;
-  }
-  return points;
-}
 
 /// A side midpoint's parents are centres of its level.
 void put_centres_first(std::vector<GridPoint>& points) {
@@ -162,7 +47,7 @@ std::array<std::span<const std::byte>, count> split(std::span<const std::byte> p
   std::array<std::span<const std::byte>, count> pieces;
   VariableReader in(payload);
   for (auto& piece : pieces) piece = in.take(in.size());
-  if (in.left() > 0) refuse("bytes left over in a part");
+  if (in.left() > 0) refuse_stream("bytes left over in a part");
   return pieces;
 }
 
@@ -459,7 +344,7 @@ PartsDecoder<Code>::~PartsDecoder() = default;
 
 template <class Code>
 void PartsDecoder<Code>::take(std::span<const std::byte> payload, std::uint64_t vertices) {
-  if (vertices > header_.vertices - found_) refuse(fmt::format("{} vertices are too many", vertices));
+  if (vertices > header_.vertices - found_) refuse_stream(fmt::format("{} vertices are too many", vertices));
   taken_ == 0 ? take_first(payload, vertices) : take_level(payload, vertices);
   found_ += vertices;
   ++taken_;
@@ -486,14 +371,15 @@ void PartsDecoder<Code>::take_first(std::span<const std::byte> payload, std::uin
       take_points(in, top, 64 + 64 * std::uint64_t{numbers.size()}, [&](GridPoint p) { return !seen.contains(p); });
   there.points.insert(there.points.end(), roots.begin(), roots.end());
   take_heights(in, there);
-  if (!in.is_intact()) refuse("damaged first part");
-  if (there.points.size() != vertices) refuse(fmt::format("{} vertices, {} were said", there.points.size(), vertices));
+  if (!in.is_intact()) refuse_stream("damaged first part");
+  if (there.points.size() != vertices)
+    refuse_stream(fmt::format("{} vertices, {} were said", there.points.size(), vertices));
   for (std::size_t i = 0; i < there.points.size(); ++i) known_.insert(there.points[i], there.heights[i]);
   known_.sort();
   if (header_.has_covers) {
     take_covers(covers, there.points);
   } else if (!covers.empty()) {
-    refuse("covers that the header does not name");
+    refuse_stream("covers that the header does not name");
   }
   so_far_ = root_vertices(known_, header_.window, header_.root());
 }
@@ -519,7 +405,7 @@ void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uin
       return is_of_level(before, i, j) && !before.contains(i, j);
     });
     take_heights(in, found);
-    if (!in.is_intact()) refuse("damaged scattered vertices");
+    if (!in.is_intact()) refuse_stream("damaged scattered vertices");
     for (std::size_t i = 0; i < found.points.size(); ++i) known_.insert(found.points[i], found.heights[i]);
     known_.sort();
     may_have_gaps_ = true;
@@ -528,18 +414,18 @@ void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uin
   LevelWalk<Code> walk(header_.window, so_far_, Scale(coding_.tolerance), header_.has_loose,
                        so_far + known_.size(shift) + static_cast<std::size_t>(vertices));
   const std::size_t stripes = decoder_.start(symbols);
-  if (stripes > static_cast<std::size_t>(std::max(1, walk.rows()))) refuse("more stripes than rows");
+  if (stripes > static_cast<std::size_t>(std::max(1, walk.rows()))) refuse_stream("more stripes than rows");
   for (const std::size_t half : {0u, 1u}) {
     auto parts = walk_half(walk, half, stripes, threads_, known_.at(shift, half),
                            [&](std::size_t b, CandidateRow<Code>& row) { decoder_.take(half, b, row); });
     half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
   }
-  if (!decoder_.is_intact()) refuse("a damaged level");
+  if (!decoder_.is_intact()) refuse_stream("a damaged level");
   so_far_ = walk.take_vertices();
   if (so_far_.heights.size() - so_far - known_before != vertices)
-    refuse(fmt::format("{} vertices, {} were said", so_far_.heights.size() - so_far - known_before, vertices));
+    refuse_stream(fmt::format("{} vertices, {} were said", so_far_.heights.size() - so_far - known_before, vertices));
   if (!header_.has_covers) {
-    if (!covers.empty()) refuse("covers that the header does not name");
+    if (!covers.empty()) refuse_stream("covers that the header does not name");
     return;
   }
   std::vector<GridPoint> own;
@@ -625,7 +511,7 @@ RestrictedQuadtree PartsDecoder<Code>::quadtree() const {
         const GridPoint apex = d.apexes[triangle / 2], end = d.ends[triangle % 2];
         if ((covers >> triangle & 1) == 0 || !q.region.contains(apex) || !q.region.contains(end)) continue;
         if (!q.vertices.contains(apex) || !q.vertices.contains(end))
-          refuse(fmt::format("the vertex at column {}, row {} lacks a corner of its triangles", p.col, p.row));
+          refuse_stream(fmt::format("the vertex at column {}, row {} lacks a corner of its triangles", p.col, p.row));
       }
     });
   }

@@ -574,33 +574,4 @@ Grid grid_of(const Description& d) {
   return {d.mapping, d.extent, d.crs_wkt, d.vertical_unit, d.metres_per_unit, d.step};
 }
 
-// ---- the public door -----------------------------------------------------------------------------
-
-struct Raster::Opened {
-  Source source;
-};
-
-Raster::Raster(const fs::path& input) : Raster(std::vector<fs::path>{input}, {}) {}
-Raster::Raster(const std::vector<fs::path>& inputs, const InputOptions& options)
-    : opened_(std::make_unique<Opened>(Opened{Source{inputs, options}})) {}
-Raster::~Raster() = default;
-Raster::Raster(Raster&&) noexcept = default;
-Raster& Raster::operator=(Raster&&) noexcept = default;
-
-const Description& Raster::description() const { return opened_->source.description(); }
-
-SampleWindow Raster::read(GridRect part) const {
-  Window window = opened_->source.read(part);
-  const HeightStep& step = description().step;
-  SampleWindow samples{window.region, {}, std::move(window.valid)};
-  std::visit(
-      [&](const auto& codes) {
-        samples.values.reserve(codes.size());
-        for (const auto code : codes) samples.values.push_back(step.value(static_cast<double>(code)));
-      },
-      window.codes);
-  if (samples.valid.empty()) samples.valid.assign(samples.values.size(), 1);
-  return samples;
-}
-
 }  // namespace talus

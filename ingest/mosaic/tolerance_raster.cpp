@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/raster/crs.hpp"
 #include "ingest/raster/raster_facts.hpp"
@@ -43,7 +44,7 @@ GridMapping evenly_over(const Description& d, GridRect region, const RasterFacts
 
 /// Cells written a full turn away, as the region's samples are.
 GridMapping on_turn_of(const Description& d, GridRect region, GridMapping cells, const RasterFacts& facts) {
-  const double turn = full_turn(d.crs_wkt);
+  const double turn = Ground(d.crs).full_turn();
   if (turn == 0) return cells;
   const double ours = (d.mapping.x(region.first.col) + d.mapping.x(region.last.col)) / 2;
   const double theirs = cells.x0 + cells.dx * (facts.cols - 1) / 2;

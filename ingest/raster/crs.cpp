@@ -1,7 +1,6 @@
 #include "ingest/raster/crs.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include <cpl_conv.h>
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "talus/failure.hpp"
 #include "talus/ingest.hpp"
@@ -130,13 +130,6 @@ CrsFacts facts_of_crs(const std::string& wkt) {
   return facts;
 }
 
-double full_turn(const std::string& wkt) {
-  if (wkt.empty()) return 0;
-  const OGRSpatialReference crs = crs_from(wkt);
-  if (crs.IsGeographic() == 0) return 0;
-  const double unit = crs.GetAngularUnits();  // in radians
-  const double turn = 2 * std::numbers::pi / unit;
-  return std::abs(turn - 360) < 1e-6 ? 360 : std::abs(turn - 400) < 1e-6 ? 400 : turn;
-}
+double full_turn(const std::string& wkt) { return Ground(facts_of_crs(wkt)).full_turn(); }
 
 }  // namespace talus

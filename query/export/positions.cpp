@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -47,8 +46,7 @@ void for_each_position(const Mesh& mesh, const Description& d, Coordinates coord
     }
     return;
   }
-  Globe globe(d.crs);
-  if (is_local) globe.set_origin(origin.position, origin.height * d.metres_per_unit);
+  const Globe globe = is_local ? Globe(d.crs, origin.position, origin.height * d.metres_per_unit) : Globe(d.crs);
   for (std::size_t i = 0; i < mesh.size(); ++i) {
     const std::array<double, 3> p = globe.at(place(i), mesh.heights[i] * d.metres_per_unit);
     out(i, p[0], p[1], p[2]);

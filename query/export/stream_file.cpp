@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "engine/stream/stream_codec.hpp"
 #include "engine/stream/stream_header.hpp"
 #include "query/export/output_file.hpp"
+#include "query/export/writers.hpp"
 #include "talus/failure.hpp"
 #include "talus/stream.hpp"
 
@@ -51,12 +51,7 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-bool is_stream_file(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending == ".rqt";
-}
+bool is_stream_file(const std::filesystem::path& file) { return ending_of(file) == ".rqt"; }
 
 void write_stream(const Stream& stream, const std::filesystem::path& file, const StreamOptions& options,
                   const RestrictedQuadtree* base) {

@@ -31,9 +31,7 @@ constexpr std::array<Format, 3> kFormats{
     {{".ply", exactly<write_ply>}, {".obj", exactly<write_obj>}, {".glb", write_glb}}};
 
 const Format* known_format(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = ending_of(file);
   for (const Format& format : kFormats) {
     if (format.ending == ending) return &format;
   }
@@ -53,9 +51,11 @@ const Format& format_of(const std::filesystem::path& file) {
 
 bool is_mesh_file(const std::filesystem::path& file) { return known_format(file) != nullptr; }
 
-void check_mesh_file(const std::filesystem::path& file) {
-  blaming(file, [&] { static_cast<void>(format_of(file)); });
-  check_folder(file);
+std::string ending_of(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
 }
 
 void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {

@@ -1,18 +1,21 @@
 #pragma once
 // One function per format; write_mesh chooses.
 
+#include <filesystem>
+#include <string>
+
 #include "query/export/output_file.hpp"
 #include "talus/description.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
 
-/// Fails with invalid_argument for an ending write_mesh does not know, and where the folder is missing:
-/// what write_mesh would find out only after the work.
-void check_mesh_file(const std::filesystem::path& file);
+/// ".ply" of "part.PLY": in small letters.
+[[nodiscard]] std::string ending_of(const std::filesystem::path& file);
 /// Whether write_mesh knows the ending.
 [[nodiscard]] bool is_mesh_file(const std::filesystem::path& file);
-/// The same for the folder alone, whatever the ending.
+/// What a writer would find out only after the work.
+/// fails  io: no such folder, or the file is a folder
 void check_folder(const std::filesystem::path& file);
 /// A mesh may come from anywhere, and writers index by it.
 /// fails  invalid_argument: heights or triangles that do not fit the points; names the file

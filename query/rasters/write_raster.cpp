@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <string_view>
 
@@ -22,9 +20,7 @@ struct Format {
 constexpr std::array<Format, 2> kFormats{{{".tif", write_tif}, {".png", write_png}}};
 
 const Format* format_of(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = ending_of(file);
   for (const Format& format : kFormats) {
     if (format.ending == ending) return &format;
   }

@@ -85,7 +85,7 @@ class Fitting {
       throw Failure(
           Cause::invalid_argument,
           fmt::format("a budget of {}: the region's border alone needs {} vertices and {} triangles; a region "
-                      "on multiples of 16 samples, see snapped(), needs fewest",
+                      "on multiples of 16 samples (snapped()) needs fewest",
                       budget_text(), border_.vertices, border_.triangles));
     }
   }

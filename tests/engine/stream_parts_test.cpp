@@ -15,6 +15,7 @@
 #include "engine/quadtree/merge.hpp"
 #include "engine/quadtree/scattered_vertices.hpp"
 #include "engine/stream/bit_lattice.hpp"
+#include "engine/stream/scattered_numbers.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "engine/stream/stream_covers.hpp"
 #include "engine/stream/stream_heights.hpp"
@@ -179,6 +180,42 @@ TEST(ScatteredVertices, AreVisitedOnceFinestLevelFirst) {
       last = level;
     });
     EXPECT_EQ(visited, expected);
+  }
+}
+
+TEST(ScatteredNumbers, PointsAndHeightsComeBackAndForeignPointsAreCorrupt) {
+  for (std::uint64_t seed = 1; seed <= 80; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const GridRect window = random_rect(random, 300);
+    const BitLattice lattice(window, random.between(0, 4));
+    Scattered<std::int32_t> vertices;
+    for (std::int32_t j = 0; j < lattice.rows; ++j) {
+      for (std::int32_t i = 0; i < lattice.cols; ++i) {
+        if (!random.chance(0.05)) continue;
+        vertices.points.push_back(lattice.at(i, j));
+        vertices.heights.push_back(static_cast<std::int32_t>(random.next()));
+      }
+    }
+    NumberWriter out;
+    put_points(out, lattice, vertices.points);
+    put_heights(out, vertices);
+    Bytes bytes;
+    out.finish(bytes);
+    const auto read = [&](std::uint64_t most, bool accepts) {
+      NumberReader in;
+      in.start(bytes);
+      Scattered<std::int32_t> back{take_points(in, lattice, most, [&](GridPoint) { return accepts; }), {}};
+      take_heights(in, back);
+      EXPECT_TRUE(in.is_intact());
+      return back;
+    };
+    const Scattered<std::int32_t> back = read(vertices.points.size(), true);
+    EXPECT_EQ(back.points, vertices.points);
+    EXPECT_EQ(back.heights, vertices.heights);
+    if (vertices.points.empty()) continue;
+    EXPECT_THROW(static_cast<void>(read(vertices.points.size() - 1, true)), Failure) << "more than there may be";
+    EXPECT_THROW(static_cast<void>(read(vertices.points.size(), false)), Failure) << "none may be there";
   }
 }
 

@@ -443,12 +443,11 @@ TEST(Export, EachFunctionNamesTheOtherForItsEndings) {
 
 TEST(Export, WhatWouldFailIsKnownBeforeTheWork) {
   const TempFolder folder;
-  EXPECT_NO_THROW(check_mesh_file("mesh.ply"));
-  EXPECT_NO_THROW(check_mesh_file(folder / "mesh.obj"));
-  for (const std::filesystem::path& file :
-       {folder / "mesh", folder / "mesh.txt", folder / "mesh.tif", folder / "missing/mesh.ply"}) {
-    EXPECT_THROW(check_mesh_file(file), Failure) << file;
-  }
+  EXPECT_TRUE(is_mesh_file("mesh.ply") && is_mesh_file(folder / "mesh.OBJ"));
+  for (const char* name : {"mesh", "mesh.txt", "mesh.tif", "mesh.rqt"}) EXPECT_FALSE(is_mesh_file(name)) << name;
+  EXPECT_NO_THROW(check_folder("mesh.ply"));
+  EXPECT_THROW(check_folder(folder / "missing/mesh.ply"), Failure);
+  EXPECT_THROW(check_folder(folder.path()), Failure) << "a folder itself";
 }
 
 }  // namespace
