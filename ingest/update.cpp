@@ -16,15 +16,6 @@
 namespace talus {
 namespace {
 
-GridRect around(GridRect a, GridRect b) {
-  return {{std::min(a.first.col, b.first.col), std::min(a.first.row, b.first.row)},
-          {std::max(a.last.col, b.last.col), std::max(a.last.row, b.last.row)}};
-}
-GridRect common(GridRect a, GridRect b) {
-  return {{std::max(a.first.col, b.first.col), std::max(a.first.row, b.first.row)},
-          {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
-}
-
 /// The new samples over the old ones; what is void in the new does not cover.
 Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t kind, GridRect part) {
   Window window{part, codes_of_kind(kind, static_cast<std::size_t>(part.samples())), {}};
@@ -34,9 +25,7 @@ Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t
     const Window read = source.read(fresh);
     for (std::int32_t row = fresh.first.row; row <= fresh.last.row; ++row) {
       for (std::int32_t col = fresh.first.col; col <= fresh.last.col; ++col) {
-        const auto in = [&](GridRect r) {
-          return static_cast<std::size_t>((std::int64_t{row} - r.first.row) * r.cols() + (col - r.first.col));
-        };
+        const auto in = [&](GridRect r) { return index_in(r, {col, row}); };
         if (!read.valid.empty() && !read.valid[in(fresh)]) continue;
         window.valid[in(part)] = 1;
         std::visit(

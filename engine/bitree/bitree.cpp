@@ -25,6 +25,7 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "engine/quadtree/half_diamond.hpp"
+#include "engine/quadtree/rect.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -38,7 +39,6 @@ constexpr std::uint8_t split_bit(int side) { return side == 0 ? Bitree::kSplitsF
 constexpr int side_at(GridPoint middle, GridPoint apex) { return diamond(middle).apexes[0] == apex ? 0 : 1; }
 
 /// Half a unit cell: no grid point is in the middle of its hypotenuse.
-constexpr bool is_finest(const Triangle& t) { return ((t.left.col ^ t.right.col) & 1) != 0; }
 
 /// All vertices of a region and which triangles they split.
 class Hierarchy {
@@ -52,10 +52,7 @@ class Hierarchy {
   [[nodiscard]] GridRect region() const { return region_; }
   [[nodiscard]] std::uint8_t kind(GridPoint p) const { return kinds_[index(p)]; }
   [[nodiscard]] bool is_selected(GridPoint p) const { return (kind(p) & Bitree::kSelected) != 0; }
-  [[nodiscard]] std::size_t index(GridPoint p) const {
-    return static_cast<std::size_t>((std::int64_t{p.row} - region_.first.row) * region_.cols() +
-                                    (std::int64_t{p.col} - region_.first.col));
-  }
+  [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(region_, p); }
   [[nodiscard]] bool is_split(GridPoint middle, int side) const { return (kind(middle) & split_bit(side)) != 0; }
 
   void select(GridPoint p) {

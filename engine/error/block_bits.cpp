@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "engine/error/kernel_choice.hpp"
+#include "engine/quadtree/rect.hpp"
 
 namespace talus {
 namespace {
@@ -38,9 +39,7 @@ BlockBits::BlockBits(const HeightField& field) {
   rows_ = (e.last.row >> kBlockShift) - first_.row + 1;
   for (std::int32_t row = first_.row; row < first_.row + rows_; ++row) {
     for (std::int32_t col = first_.col; col < first_.col + cols_; ++col) {
-      const std::int32_t c = col * kBlockSide, r = row * kBlockSide;
-      const GridRect part{{std::max(c, e.first.col), std::max(r, e.first.row)},
-                          {std::min(c + kBlockSide, e.last.col), std::min(r + kBlockSide, e.last.row)}};
+      const GridRect part = common(square({col * kBlockSide, row * kBlockSide}, kBlockSide + 1), e);
       blocks_.push_back(std::visit(
           [&](auto heights) {
             using Code = std::remove_const_t<typename decltype(heights)::element_type>;

@@ -128,16 +128,12 @@ class BlockErrors {
   [[nodiscard]] bool is_cut(GridPoint corner) const {
     return !field_.extent.contains(corner) || !field_.extent.contains(closed(corner).last);
   }
-  [[nodiscard]] GridRect part_of_field(GridPoint corner) const {
-    const GridRect b = closed(corner), &e = field_.extent;
-    return {{std::max(b.first.col, e.first.col), std::max(b.first.row, e.first.row)},
-            {std::min(b.last.col, e.last.col), std::min(b.last.row, e.last.row)}};
-  }
+  [[nodiscard]] GridRect part_of_field(GridPoint corner) const { return common(closed(corner), field_.extent); }
 
   /// Valid samples of a closed block.
   [[nodiscard]] int count_valid(GridPoint corner) const {
     const GridRect part = part_of_field(corner);
-    if (part.cols() <= 0 || part.rows() <= 0) return 0;
+    if (is_empty(part)) return 0;
     if (field_.valid.empty()) return static_cast<int>(part.samples());
     int count = 0;
     for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/quadtree/rect.hpp"
 #include "talus/description.hpp"
 #include "talus/units.hpp"
 
@@ -46,10 +47,7 @@ struct HeightField {
   std::span<const std::uint8_t> valid;  ///< 1 where a sample is data; empty: all are
   CodeDistance distance;
 
-  [[nodiscard]] std::size_t index(GridPoint p) const {
-    return static_cast<std::size_t>((std::int64_t{p.row} - extent.first.row) * extent.cols() +
-                                    (std::int64_t{p.col} - extent.first.col));
-  }
+  [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(extent, p); }
   [[nodiscard]] double operator[](GridPoint p) const { return code_at(heights, index(p)); }
   [[nodiscard]] bool is_valid(std::size_t i) const { return valid.empty() || valid[i] != 0; }
 };

@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "engine/error/kernel_choice.hpp"
+#include "engine/quadtree/rect.hpp"
 
 namespace talus::detail {
 namespace {
@@ -47,11 +48,8 @@ class Shapes {
 
   [[nodiscard]] BlockShape shape(GridPoint corner) {
     BlockShape shape;
-    const GridRect own{corner, {corner.col + kBlockSide - 1, corner.row + kBlockSide - 1}};
-    const GridRect& e = field_.extent;
-    const GridRect part{{std::max(own.first.col, e.first.col), std::max(own.first.row, e.first.row)},
-                        {std::min(own.last.col, e.last.col), std::min(own.last.row, e.last.row)}};
-    if (part.cols() <= 0 || part.rows() <= 0) return shape;
+    const GridRect own = square(corner, kBlockSide), part = common(own, field_.extent);
+    if (is_empty(part)) return shape;
     const OwnSamples samples = part == own ? in_place(corner) : copied(corner, part);
     const HeightRange range = kernel_.range(samples);
     shape.has_data = range.lowest <= range.highest;
@@ -192,10 +190,7 @@ class Distances {
     double at_centre, right, down;
   };
 
-  [[nodiscard]] const BlockShape& shape_of(GridPoint block) const {
-    return shapes_[static_cast<std::size_t>((block.row - blocks_.first.row) * blocks_.cols() + block.col -
-                                            blocks_.first.col)];
-  }
+  [[nodiscard]] const BlockShape& shape_of(GridPoint block) const { return shapes_[index_in(blocks_, block)]; }
   [[nodiscard]] Gap gap_of(GridPoint block, const BlockShape& shape) const {
     const std::int32_t col = block.col * kBlockSide + kBlockSide / 2, row = block.row * kBlockSide + kBlockSide / 2;
     const double on_triangle = plane_.base + plane_.down * (row - plane_.row) + plane_.right * (col - plane_.col);

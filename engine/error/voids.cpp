@@ -6,20 +6,13 @@
 #include <cstring>
 
 #include "engine/quadtree/apex_halves.hpp"
+#include "engine/quadtree/rect.hpp"
 
 namespace talus {
 namespace {
 
-std::size_t index_in(GridRect extent, GridPoint p) {
-  return static_cast<std::size_t>((std::int64_t{p.row} - extent.first.row) * extent.cols() +
-                                  (std::int64_t{p.col} - extent.first.col));
-}
-
 /// The samples of an extent at most `reach` columns and rows away.
-GridRect around(GridRect extent, GridPoint p, std::int32_t reach) {
-  return {{std::max(p.col - reach, extent.first.col), std::max(p.row - reach, extent.first.row)},
-          {std::min(p.col + reach, extent.last.col), std::min(p.row + reach, extent.last.row)}};
-}
+GridRect around(GridRect extent, GridPoint p, std::int32_t reach) { return common(grown({p, p}, reach), extent); }
 
 /// The valid sample nearest to the middle of the range of all in a rectangle, the lower of two; none if there are none.
 template <class Code>
@@ -265,8 +258,7 @@ bool is_needed(GridRect extent, const VoidMap& voids, GridPoint p) {
 
 void fill_voids(GridRect extent, std::span<const std::uint8_t> valid, const VoidMap& voids, GridRect within,
                 Codes& heights) {
-  const GridRect part{{std::max(within.first.col, extent.first.col), std::max(within.first.row, extent.first.row)},
-                      {std::min(within.last.col, extent.last.col), std::min(within.last.row, extent.last.row)}};
+  const GridRect part = common(within, extent);
   if (part.cols() <= 0) return;
   std::visit(
       [&](auto& codes) {

@@ -94,6 +94,48 @@ std::vector<std::byte> encode(const Manifest& m) {
   return {bytes.begin(), bytes.end()};
 }
 
+namespace {
+
+Description description_of(const Json& json) {
+  Description d;
+  const Json& extent = json.at("extent");
+  const auto side = [&](std::size_t i) { return whole<std::int32_t>(extent.at(i)); };
+  d.extent = {{side(0), side(1)}, {side(2), side(3)}};
+  const Json& mapping = json.at("mapping");
+  d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
+  if (!json.contains("crs")) {
+    throw Failure(Cause::unsupported,
+                  "the header does not say what the coordinate system means: an earlier Talus made this database; "
+                  "ingest the source again");
+  }
+  const Json& crs = json.at("crs");
+  d.crs_wkt = crs.at("wkt");
+  d.crs = {crs.at("name"),
+           whole<int>(crs.at("epsg")),
+           crs.at("geographic"),
+           crs.at("metres_per_unit"),
+           crs.at("degrees_per_unit"),
+           crs.at("equatorial_radius"),
+           crs.at("flattening")};
+  d.source_name = json.at("source").at("name");
+  d.source_type = json.at("source").at("type");
+  d.vertical_unit = json.at("vertical").at("unit");
+  d.metres_per_unit = json.at("vertical").at("metres_per_unit");
+  const Json& step = json.at("step");
+  d.step = {step.at("scale"), step.at("divisor"), step.at("offset"), step.at("integer")};
+  const Json& heights = json.at("heights");
+  d.minimum = heights.at("minimum");
+  d.maximum = heights.at("maximum");
+  d.void_samples = whole<std::uint64_t>(heights.at("void_samples"));
+  const Json& errors = json.at("errors");
+  d.void_weight = errors.at("void_weight");
+  d.lossy_metres = errors.at("lossy_bound");
+  d.finest_tolerance = errors.value("finest_tolerance", 0.0);
+  return d;
+}
+
+}  // namespace
+
 Manifest decode_manifest(std::span<const std::byte> bytes) {
   const auto* text = reinterpret_cast<const char*>(bytes.data());
   const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
@@ -121,41 +163,10 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
       throw Failure(Cause::unsupported, fmt::format("errors of kind {} and metric {}, which this program does not know",
                                                     errors.at("kind").dump(), errors.at("metric").dump()));
     }
+    m.description = description_of(json);
+    m.description.error_kind = *kind;
+    m.description.error_metric = *metric;
     m.bands = whole<int>(layout.at("bands"));
-    Description& d = m.description;
-    const Json& extent = json.at("extent");
-    const auto side = [&](std::size_t i) { return whole<std::int32_t>(extent.at(i)); };
-    d.extent = {{side(0), side(1)}, {side(2), side(3)}};
-    const Json& mapping = json.at("mapping");
-    d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
-    if (!json.contains("crs")) {
-      throw Failure(Cause::unsupported,
-                    "the header does not say what the coordinate system means: an earlier Talus made this database; "
-                    "ingest the source again");
-    }
-    const Json& crs = json.at("crs");
-    d.crs_wkt = crs.at("wkt");
-    d.crs = {crs.at("name"),
-             whole<int>(crs.at("epsg")),
-             crs.at("geographic"),
-             crs.at("metres_per_unit"),
-             crs.at("degrees_per_unit"),
-             crs.at("equatorial_radius"),
-             crs.at("flattening")};
-    d.source_name = json.at("source").at("name");
-    d.source_type = json.at("source").at("type");
-    d.vertical_unit = json.at("vertical").at("unit");
-    d.metres_per_unit = json.at("vertical").at("metres_per_unit");
-    const Json& step = json.at("step");
-    d.step = {step.at("scale"), step.at("divisor"), step.at("offset"), step.at("integer")};
-    d.minimum = json.at("heights").at("minimum");
-    d.maximum = json.at("heights").at("maximum");
-    d.void_samples = whole<std::uint64_t>(json.at("heights").at("void_samples"));
-    d.void_weight = errors.at("void_weight");
-    d.lossy_metres = errors.at("lossy_bound");
-    d.finest_tolerance = errors.value("finest_tolerance", 0.0);
-    d.error_kind = *kind;
-    d.error_metric = *metric;
     m.generation = whole<std::uint32_t>(json.at("generation"));
     for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));
   } catch (const Json::exception& e) {

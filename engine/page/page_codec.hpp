@@ -50,6 +50,10 @@ struct Page {
   [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
   }
+  [[nodiscard]] std::size_t index(GridPoint p) const {
+    const GridPoint here = grid.local(p);
+    return index(here.col, here.row);
+  }
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
   /// Of a page with errors, encoded or decoded.
   [[nodiscard]] bool is_dropped(std::int32_t col, std::int32_t row) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/quadtree/grid.hpp"
+#include "engine/quadtree/rect.hpp"
 
 namespace talus {
 
@@ -83,6 +84,9 @@ struct PageGrid {
   [[nodiscard]] GridPoint at(std::int32_t col, std::int32_t row) const {  ///< grid point of a page-relative sample
     return {(first.col + col) * (1 << shift), (first.row + row) * (1 << shift)};
   }
+  [[nodiscard]] GridPoint local(GridPoint p) const {  ///< page-relative column and row of a grid point
+    return {(p.col >> shift) - first.col, (p.row >> shift) - first.row};
+  }
 };
 
 [[nodiscard]] constexpr PageGrid page_grid(PageId id, GridRect extent) {
@@ -123,11 +127,6 @@ void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
   for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
     for (std::int32_t col = part.first.col; col <= part.last.col; ++col) visit(col, row);
   }
-}
-
-[[nodiscard]] constexpr bool overlap(GridRect a, GridRect b) {
-  return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row &&
-         b.first.row <= a.last.row;
 }
 
 /// Pages along a Morton curve: neighbours in the plane are mostly neighbours in the file.

@@ -83,6 +83,15 @@ struct Triangle {
   GridPoint apex, left, right;
 };
 
+/// Whether no sample is in the middle of its hypotenuse.
+[[nodiscard]] constexpr bool is_finest(const Triangle& t) {
+  return (((t.left.col ^ t.right.col) | (t.left.row ^ t.right.row)) & 1) != 0;
+}
+
+/// The halves of a triangle that is split: on the side of its left corner, and of its right one.
+[[nodiscard]] constexpr Triangle left_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.left}; }
+[[nodiscard]] constexpr Triangle right_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.right}; }
+
 /// The four triangles that have p at their right angle: p split them off when it came. Triangle
 /// 2·side + end lies in the half of apexes[side] toward ends[end]. Bit by bit this is the order of
 /// RestrictedQuadtree::covers.
@@ -125,6 +134,19 @@ struct Triangle {
     side *= 2;
   }
   return side;
+}
+
+/// visit(triangle): the two of each of the four root squares, which meet at the origin; none of a single sample's.
+template <class Visit>
+constexpr void for_each_root_triangle(GridRect extent, Visit&& visit) {
+  const std::int32_t half = root_side(extent) / 2;
+  if (half == 0) return;
+  for (const std::int32_t row : {-half, half}) {
+    for (const std::int32_t col : {-half, half}) {
+      const Diamond d = diamond({col, row});
+      for (const GridPoint apex : d.apexes) visit(Triangle{apex, d.ends[0], d.ends[1]});
+    }
+  }
 }
 
 /// Largest number of columns or rows of a grid, so that no diamond leaves 32 bits.

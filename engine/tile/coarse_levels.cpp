@@ -91,13 +91,10 @@ CoarseLevels::CoarseLevels(GridRect extent, const CodeDistance& distance, Ground
 CoarseLevels::~CoarseLevels() = default;
 
 std::size_t CoarseLevels::post(GridPoint p) const {
-  return static_cast<std::size_t>((std::int64_t{p.row >> kBlockShift} - units_.first.row) * units_.cols() +
-                                  ((p.col >> kBlockShift) - units_.first.col));
+  return index_in(units_, {p.col >> kBlockShift, p.row >> kBlockShift});
 }
 bool CoarseLevels::has_block(std::int32_t x, std::int32_t y) const { return blocks_.contains({x, y}); }
-std::size_t CoarseLevels::block(std::int32_t x, std::int32_t y) const {
-  return static_cast<std::size_t>((std::int64_t{y} - blocks_.first.row) * blocks_.cols() + (x - blocks_.first.col));
-}
+std::size_t CoarseLevels::block(std::int32_t x, std::int32_t y) const { return index_in(blocks_, {x, y}); }
 
 ErrorCode CoarseLevels::error(GridPoint p) const {
   const GridPoint unit{p.col >> kBlockShift, p.row >> kBlockShift};

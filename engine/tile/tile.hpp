@@ -39,7 +39,6 @@ struct TileId {
 /// window is not must be computed, those too that hold no sample of their own: vertices in them can join two
 /// vertices of the extent.
 [[nodiscard]] GridRect tile_window(TileId id, GridRect extent);
-[[nodiscard]] constexpr bool is_empty(GridRect r) { return r.cols() <= 0 || r.rows() <= 0; }
 
 struct TileInput {
   TileId id;

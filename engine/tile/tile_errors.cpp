@@ -11,15 +11,6 @@
 namespace talus {
 namespace {
 
-constexpr GridRect cut(GridRect r, GridRect to) {
-  return {{std::max(r.first.col, to.first.col), std::max(r.first.row, to.first.row)},
-          {std::min(r.last.col, to.last.col), std::min(r.last.row, to.last.row)}};
-}
-
-constexpr GridRect grown(GridRect r, std::int32_t by) {
-  return {{r.first.col - by, r.first.row - by}, {r.last.col + by, r.last.row + by}};
-}
-
 void copy(const CodeSpan& from, Codes& to) {
   std::visit(
       [&](auto codes) {
@@ -163,7 +154,7 @@ void record_blocks(const TileInput& tile, const ErrorInput& input, const LevelGr
 
 GridRect tile_window(TileId id, GridRect extent) {
   const GridPoint first = closed_tile(id).first;
-  return cut(grown({first, {first.col + kTileSide - 1, first.row + kTileSide - 1}}, kHalo), extent);
+  return common(grown({first, {first.col + kTileSide - 1, first.row + kTileSide - 1}}, kHalo), extent);
 }
 
 TileErrors tile_errors(const TileInput& tile) {
@@ -210,7 +201,7 @@ void tile_errors(const TileInput& tile, TileErrors& result) {
     bits.emplace(input.field);
     input.bits = &*bits;
   }
-  const GridRect used = cut(around, window);
+  const GridRect used = common(around, window);
   if (tile.rule.is_usual()) {
     detail::block_errors(input,
                          {{used.first.col >> kBlockShift, used.first.row >> kBlockShift},

@@ -90,9 +90,8 @@ Changes changes_by(const ExistingDatabase& base, const Source& source, std::size
   for (std::int32_t y = first.y; y <= last.y; ++y) {
     for (std::int32_t x = first.x; x <= last.x; x += tiles_across) {
       const std::int32_t east = std::min(x + tiles_across - 1, last.x);
-      const GridRect part{{std::max(all.first.col, x * kTileSide), std::max(all.first.row, y * kTileSide)},
-                          {std::min(all.last.col, east * kTileSide + kTileSide - 1),
-                           std::min(all.last.row, y * kTileSide + kTileSide - 1)}};
+      const GridRect part = common(
+          all, {{x * kTileSide, y * kTileSide}, {east * kTileSide + kTileSide - 1, y * kTileSide + kTileSide - 1}});
       tell();
       if (!source.touches(part)) continue;
       source.read_into(fresh, part, part);

@@ -93,10 +93,8 @@ TileId tile_at(std::uint64_t position) {
 }
 
 std::uint64_t own_samples(TileId id, GridRect extent) {
-  const GridRect r{{std::max(id.x * kTileSide, extent.first.col), std::max(id.y * kTileSide, extent.first.row)},
-                   {std::min(id.x * kTileSide + kTileSide - 1, extent.last.col),
-                    std::min(id.y * kTileSide + kTileSide - 1, extent.last.row)}};
-  return r.cols() > 0 && r.rows() > 0 ? static_cast<std::uint64_t>(r.samples()) : 0;
+  const GridRect own = common(square({id.x * kTileSide, id.y * kTileSide}, kTileSide), extent);
+  return is_empty(own) ? 0 : static_cast<std::uint64_t>(own.samples());
 }
 
 void put(PageWriter& writer, TileId id, const TilePages& tile, std::uint64_t& pages) {

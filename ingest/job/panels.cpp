@@ -9,23 +9,14 @@
 namespace talus {
 namespace {
 
-GridRect cut_to(GridRect r, GridRect extent) {
-  return {{std::max(r.first.col, extent.first.col), std::max(r.first.row, extent.first.row)},
-          {std::min(r.last.col, extent.last.col), std::min(r.last.row, extent.last.row)}};
-}
-
-std::size_t index(GridRect region, GridPoint p) {
-  return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +
-                                  (std::int64_t{p.col} - region.first.col));
-}
-
 /// Copies a rectangle that lies in both.
 template <class T>
 void copy(const std::vector<T>& from, GridRect from_region, std::vector<T>& to, GridRect to_region, GridRect part) {
   const auto cols = static_cast<std::ptrdiff_t>(part.cols());
   for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-    const auto start = from.begin() + static_cast<std::ptrdiff_t>(index(from_region, {part.first.col, row}));
-    std::copy(start, start + cols, to.begin() + static_cast<std::ptrdiff_t>(index(to_region, {part.first.col, row})));
+    const auto start = from.begin() + static_cast<std::ptrdiff_t>(index_in(from_region, {part.first.col, row}));
+    std::copy(start, start + cols,
+              to.begin() + static_cast<std::ptrdiff_t>(index_in(to_region, {part.first.col, row})));
   }
 }
 
@@ -41,7 +32,7 @@ void copy(const Window& from, Window& to, GridRect part) {
   } else if (!to.valid.empty()) {
     const auto cols = static_cast<std::size_t>(part.cols());
     for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-      std::fill_n(to.valid.begin() + static_cast<std::ptrdiff_t>(index(to.region, {part.first.col, row})), cols, 1);
+      std::fill_n(to.valid.begin() + static_cast<std::ptrdiff_t>(index_in(to.region, {part.first.col, row})), cols, 1);
     }
   }
 }
@@ -79,9 +70,7 @@ std::vector<Panel> panels_of(GridRect extent, std::int32_t tiles_across) {
       const GridRect square{{west * kTileSide, y * kTileSide}, {(east + 1) * kTileSide - 1, (y + 1) * kTileSide - 1}};
       panel.first_col = std::max(square.first.col, extent.first.col);
       panel.last_col = std::min(square.last.col, extent.last.col);
-      panel.window = cut_to(
-          {{square.first.col - kHalo, square.first.row - kHalo}, {square.last.col + kHalo, square.last.row + kHalo}},
-          extent);
+      panel.window = common(grown(square, kHalo), extent);
       panels.push_back(std::move(panel));
     }
   }

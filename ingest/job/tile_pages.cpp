@@ -278,13 +278,10 @@ class TilePacker {
 
   /// Whether a sample that is data, or one that is void, lies in a page's square or `reach` cells around it.
   [[nodiscard]] bool has_near(PageId id, std::int32_t reach, std::uint8_t data) const {
-    const GridRect square = page_square(id);
-    const std::int32_t first = std::max(square.first.col - reach, window_.first.col);
-    const std::int32_t last = std::min(square.last.col + reach, window_.last.col);
-    for (std::int32_t row = std::max(square.first.row - reach, window_.first.row);
-         row <= std::min(square.last.row + reach, window_.last.row); ++row) {
-      const auto start = valid_.begin() + static_cast<std::ptrdiff_t>(index({first, row}));
-      const auto end = start + (last - first + 1);
+    const GridRect near = common(grown(page_square(id), reach), window_);
+    for (std::int32_t row = near.first.row; row <= near.last.row; ++row) {
+      const auto start = valid_.begin() + static_cast<std::ptrdiff_t>(index({near.first.col, row}));
+      const auto end = start + near.cols();
       if (std::find(start, end, data) != end) return true;
     }
     return false;
@@ -339,10 +336,7 @@ class TilePacker {
     }
   }
 
-  [[nodiscard]] std::size_t index(GridPoint p) const {
-    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() +
-                                    (std::int64_t{p.col} - window_.first.col));
-  }
+  [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(window_, p); }
 
   TileId id_;
   const TileErrors& tile_;

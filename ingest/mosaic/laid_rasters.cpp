@@ -7,6 +7,7 @@
 
 #include <gdal_priv.h>
 
+#include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/mosaic/common_grid.hpp"
 #include "ingest/raster/open_rasters.hpp"
@@ -103,9 +104,8 @@ class LaidDataset : public GDALDataset {
         {std::min(first.col + kBlockSide - 1, part_.last.col), std::min(first.row + kBlockSide - 1, part_.last.row)}};
     for (std::size_t i = 0; i < laid_.members.size(); ++i) {
       const GridRect& place = laid_.members[i].place;
-      const GridRect rect{{std::max(place.first.col, square.first.col), std::max(place.first.row, square.first.row)},
-                          {std::min(place.last.col, square.last.col), std::min(place.last.row, square.last.row)}};
-      if (rect.cols() < 1 || rect.rows() < 1) continue;
+      const GridRect rect = common(place, square);
+      if (is_empty(rect)) continue;
       const auto samples = static_cast<std::size_t>(rect.samples());
       read_.resize(samples);
       read_valid_.assign(samples, 1);

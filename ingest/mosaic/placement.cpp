@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/quadtree/grid.hpp"
+#include "engine/quadtree/rect.hpp"
 #include "ingest/mosaic/common_grid.hpp"
 #include "ingest/mosaic/laid_rasters.hpp"
 #include "ingest/mosaic/warp.hpp"
@@ -195,9 +196,7 @@ void require_positions(const std::vector<RasterFacts>& rasters) {
 GridRect place_of_member(const LaidRasters& laid, GridRect member) {
   if (laid.members.size() == 1) return laid.place;
   constexpr std::int32_t kAround = 2;
-  const GridRect place = place_of(laid, member), &all = laid.place;
-  return {{std::max(place.first.col - kAround, all.first.col), std::max(place.first.row - kAround, all.first.row)},
-          {std::min(place.last.col + kAround, all.last.col), std::min(place.last.row + kAround, all.last.row)}};
+  return common(grown(place_of(laid, member), kAround), laid.place);
 }
 
 /// Plans how sets of rasters get to the target; only those of which one has to.
@@ -270,6 +269,33 @@ void lay_on_circle(std::vector<RasterFacts>& rasters, const Target& target, cons
   placement.notes.push_back("longitudes go all the way round: what lies a full turn away is laid where it belongs");
 }
 
+/// The rectangle that all inputs span.
+GridRect extent_of(const std::vector<RasterFacts>& rasters, const Placement& placement) {
+  std::int64_t west = kMaxExtent, north = kMaxExtent, east = -kMaxExtent, south = -kMaxExtent;
+  for (const RasterFacts& raster : rasters) {
+    west = std::min<std::int64_t>(west, raster.place.first.col);
+    north = std::min<std::int64_t>(north, raster.place.first.row);
+    east =
+        std::max<std::int64_t>(east, raster.place.last.col + (raster.also_east.empty() ? 0 : raster.also_east.back()));
+    south = std::max<std::int64_t>(south, raster.place.last.row);
+  }
+  if (placement.columns) {
+    west = std::max<std::int64_t>(west, placement.columns->first);
+    east = std::min<std::int64_t>(east, placement.columns->last);
+  }
+  const std::int64_t cols = east - west + 1, rows = south - north + 1;
+  if (west < -kMaxExtent || north < -kMaxExtent || east > kMaxExtent || south > kMaxExtent || cols > kMaxExtent ||
+      rows > kMaxExtent || cols > kMostSamples / rows) {
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{}{} {} x {} samples; at most {} a side and {} in all can be taken in", rasters.front().name,
+                    rasters.size() == 1 ? " is" : fmt::format(" and {} more span", rasters.size() - 1), cols, rows,
+                    kMaxExtent, kMostSamples));
+  }
+  return {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
+          {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};
+}
+
 }  // namespace
 
 Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOptions& options) {
@@ -310,31 +336,8 @@ Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOption
   }
   resample(to_resample, laid, target, method);
   lay_on_circle(rasters, target, options, placement);
-
-  std::int64_t west = kMaxExtent, north = kMaxExtent, east = -kMaxExtent, south = -kMaxExtent;
-  for (const RasterFacts& raster : rasters) {
-    west = std::min<std::int64_t>(west, raster.place.first.col);
-    north = std::min<std::int64_t>(north, raster.place.first.row);
-    east =
-        std::max<std::int64_t>(east, raster.place.last.col + (raster.also_east.empty() ? 0 : raster.also_east.back()));
-    south = std::max<std::int64_t>(south, raster.place.last.row);
-  }
-  if (placement.columns) {
-    west = std::max<std::int64_t>(west, placement.columns->first);
-    east = std::min<std::int64_t>(east, placement.columns->last);
-  }
-  const std::int64_t cols = east - west + 1, rows = south - north + 1;
-  if (west < -kMaxExtent || north < -kMaxExtent || east > kMaxExtent || south > kMaxExtent || cols > kMaxExtent ||
-      rows > kMaxExtent || cols > kMostSamples / rows) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{}{} {} x {} samples; at most {} a side and {} in all can be taken in", rasters.front().name,
-                    rasters.size() == 1 ? " is" : fmt::format(" and {} more span", rasters.size() - 1), cols, rows,
-                    kMaxExtent, kMostSamples));
-  }
   placement.mapping = target.mapping;
-  placement.extent = {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
-                      {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};
+  placement.extent = extent_of(rasters, placement);
   placement.crs_wkt = target.crs_wkt;
   require_distinct(placement.mapping, placement.extent, target.whose);
   return placement;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "talus/failure.hpp"
 
@@ -58,9 +59,9 @@ void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Raste
   const std::int32_t east = facts.warp->place.first.col - facts.place.first.col - laid.place.first.col;
   const std::int32_t south = facts.warp->place.first.row - facts.place.first.row - laid.place.first.row;
   const GridRect there{{part.first.col + east, part.first.row + south}, {part.last.col + east, part.last.row + south}};
-  const GridRect held{{std::max(there.first.col, 0), std::max(there.first.row, 0)},
-                      {std::min(there.last.col, static_cast<std::int32_t>(laid.place.cols()) - 1),
-                       std::min(there.last.row, static_cast<std::int32_t>(laid.place.rows()) - 1)}};
+  const GridRect held = common(
+      there,
+      {{0, 0}, {static_cast<std::int32_t>(laid.place.cols()) - 1, static_cast<std::int32_t>(laid.place.rows()) - 1}});
   const auto cols = static_cast<std::size_t>(part.cols()), rows = static_cast<std::size_t>(part.rows());
   const Patch<T> patch{codes, cols, rows, stride};
   const Patch<std::uint8_t> valid{valid_at(), cols, rows, stride};

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "engine/machine/large_memory.hpp"
+#include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/files/input_list.hpp"
 #include "ingest/files/raster_guard.hpp"
@@ -30,23 +31,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- rectangles --------------------------------------------------------------------------------------
-
-bool meet(GridRect a, GridRect b) {
-  return a.first.col <= b.last.col && b.first.col <= a.last.col && a.first.row <= b.last.row &&
-         b.first.row <= a.last.row;
-}
-
-GridRect common(GridRect a, GridRect b) {
-  return {{std::max(a.first.col, b.first.col), std::max(a.first.row, b.first.row)},
-          {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
-}
-
 /// Adds to `pieces`, which do not overlap, what `rect` has beyond them.
 void add_piece(std::vector<GridRect>& pieces, GridRect rect, std::size_t from = 0) {
   for (std::size_t i = from; i < pieces.size(); ++i) {
     const GridRect p = pieces[i];
-    if (!meet(p, rect)) continue;
+    if (!overlap(p, rect)) continue;
     const GridRect c = common(p, rect);
     if (rect.first.row < c.first.row) add_piece(pieces, {rect.first, {rect.last.col, c.first.row - 1}}, i + 1);
     if (rect.last.row > c.last.row) add_piece(pieces, {{rect.first.col, c.last.row + 1}, rect.last}, i + 1);
@@ -293,11 +282,6 @@ struct Source::Reader {
 
 namespace {
 
-std::size_t index_in(GridRect region, GridPoint p) {
-  return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +
-                                  (std::int64_t{p.col} - region.first.col));
-}
-
 void set_all_valid(Window& window, GridRect rect) {
   for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
     const auto to = window.valid.begin() + static_cast<std::ptrdiff_t>(index_in(window.region, {rect.first.col, row}));
@@ -370,7 +354,7 @@ void Source::Reader::lay(std::size_t layer, Window& window, std::vector<T>& code
   std::vector<GridRect> overlaps;
   for (std::size_t below = 0; below < layer; ++below) {
     const GridRect other = plan.layers[below].place;
-    if (meet(other, rect)) add_piece(overlaps, common(other, rect));
+    if (overlap(other, rect)) add_piece(overlaps, common(other, rect));
   }
   std::vector<Kept<T>> kept;
   for (const GridRect& overlap : overlaps) kept.push_back(keep(window, codes, overlap));
@@ -481,7 +465,7 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
   window.valid.clear();
   std::vector<GridRect> covered;
   for (const Layer& layer : plan_->layers) {
-    if (meet(layer.place, part)) add_piece(covered, common(layer.place, part));
+    if (overlap(layer.place, part)) add_piece(covered, common(layer.place, part));
   }
   std::int64_t area = 0;
   for (const GridRect& piece : covered) area += piece.samples();
@@ -491,7 +475,7 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
   }
 
   for (std::size_t layer = 0; layer < plan_->layers.size(); ++layer) {
-    if (!meet(plan_->layers[layer].place, part)) continue;
+    if (!overlap(plan_->layers[layer].place, part)) continue;
     std::visit([&](auto& codes) { reader_->lay(layer, window, codes, own); }, window.codes);
   }
   if (!window.valid.empty() && std::memchr(window.valid.data(), 0, window.valid.size()) == nullptr) {
@@ -506,7 +490,7 @@ void Source::read_into(Window& window, GridRect part, GridRect own) const {
 
 bool Source::touches(GridRect part) const {
   return std::any_of(plan_->layers.begin(), plan_->layers.end(),
-                     [&](const Layer& layer) { return meet(layer.place, part); });
+                     [&](const Layer& layer) { return overlap(layer.place, part); });
 }
 
 std::uint64_t Source::block_bytes() const {

@@ -12,6 +12,7 @@
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/files/input_list.hpp"
 #include "ingest/files/raster_guard.hpp"
@@ -110,6 +111,41 @@ void take_control_points(GDALDatasetH set, std::array<double, 6>& t) {
   if (count > 0 && GDALGCPsToGeoTransform(count, GDALGetGCPs(set), found.data(), FALSE) != 0) t = found;
 }
 
+/// Which numbers of a band mean no data.
+class VoidNumbers {
+ public:
+  VoidNumbers(GDALRasterBandH band, const InputOptions& rules) {
+    const bool is_coded = rules.decode != ColourCode::none;
+    int has_nodata = 0;
+    const double stated = GDALGetRasterNoDataValue(band, &has_nodata);
+    if (has_nodata != 0 && !is_coded) {
+      stated_ = stated;
+    } else {
+      said_ = rules.nodata;
+    }
+    if (is_coded) apart_ = rules.decode == ColourCode::terrarium ? 1.0 / 512 : 0.05;  // half a step of the code
+    is_float_ = GDALGetRasterDataType(band) == GDT_Float32 && !is_coded;
+  }
+  bool operator()(double number) const {
+    constexpr double kHuge = 1e30;  // headers round the lowest float; beyond this nothing is a height
+    if (stated_) {
+      const auto is_huge = [&](double v) { return std::abs(v) > kHuge; };
+      return held(number) == held(*stated_) ||
+             (is_huge(*stated_) && is_huge(number) && std::signbit(number) == std::signbit(*stated_));
+    }
+    return std::any_of(said_.begin(), said_.end(),
+                       [&](double said) { return number == held(said) || std::abs(number - said) <= apart_; });
+  }
+
+ private:
+  [[nodiscard]] double held(double v) const { return is_float_ ? double{static_cast<float>(v)} : v; }
+
+  std::optional<double> stated_;
+  std::vector<double> said_;  ///< from outside, where the band states none
+  double apart_ = 0;
+  bool is_float_ = false;
+};
+
 template <class T>
 void read_row(GDALRasterBandH band, int first, int row, int cols, GDALDataType type, T* to,
               const std::filesystem::path& file, const GdalScope& gdal) {
@@ -123,9 +159,8 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
   Placed in = inputs[input];
   in.first.col += moved;
   const GridRect place = in.place(), &part = window.region;
-  const GridRect common{{std::max(place.first.col, part.first.col), std::max(place.first.row, part.first.row)},
-                        {std::min(place.last.col, part.last.col), std::min(place.last.row, part.last.row)}};
-  if (common.cols() < 1 || common.rows() < 1) return;
+  const GridRect both = common(place, part);
+  if (is_empty(both)) return;
   const GdalScope gdal;
   const GDALDatasetH set = dataset(input);
   const GDALRasterBandH heights = band(set, in.file);
@@ -136,40 +171,21 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
     if (GDALGetRasterColorInterpretation(GDALGetRasterBand(set, i)) == GCI_AlphaBand)
       alphas.push_back(GDALGetRasterBand(set, i));
   }
-  int has_scale = 0, has_offset = 0, has_nodata = 0;
+  int has_scale = 0, has_offset = 0;
   const double stated_scale = GDALGetRasterScale(heights, &has_scale),
                stated_offset = GDALGetRasterOffset(heights, &has_offset);
   const bool is_coded = rules.decode != ColourCode::none;
   const double scale = has_scale != 0 && !is_coded ? stated_scale : 1,
                offset = has_offset != 0 && !is_coded ? stated_offset : 0;
-  const double nodata = GDALGetRasterNoDataValue(heights, &has_nodata);
-  std::vector<double> said_voids;
-  if (has_nodata == 0 || is_coded) said_voids = rules.nodata;
-  const double apart = rules.decode == ColourCode::terrarium ? 1.0 / 512
-                       : is_coded                            ? 0.05
-                                                             : 0;  // half a step of the code
   const bool is_float = GDALGetRasterDataType(heights) == GDT_Float32 && !is_coded;
-  // Headers round the lowest float; beyond this nothing is a height.
-  constexpr double kHuge = 1e30;
-  const auto is_void_number = [&](double number) {
-    if (has_nodata != 0 && !is_coded) {
-      const bool is_same = is_float ? static_cast<float>(number) == static_cast<float>(nodata) : number == nodata;
-      if (is_same ||
-          (std::abs(nodata) > kHuge && std::abs(number) > kHuge && std::signbit(number) == std::signbit(nodata)))
-        return true;
-    }
-    return std::any_of(said_voids.begin(), said_voids.end(), [&](double said) {
-      const double held = is_float ? double{static_cast<float>(said)} : said;
-      return number == held || std::abs(number - said) <= apart;
-    });
-  };
+  const VoidNumbers is_void_number(heights, rules);
 
-  const int first = in.east > 0 ? common.first.col - in.first.col : in.first.col - common.last.col;
-  const int cols = static_cast<int>(common.cols());
+  const int first = in.east > 0 ? both.first.col - in.first.col : in.first.col - both.last.col;
+  const int cols = static_cast<int>(both.cols());
   std::vector<double> numbers(static_cast<std::size_t>(cols)), alpha(numbers.size());
   std::vector<std::uint8_t> masks(numbers.size(), 255);
   std::vector<bool> is_void(numbers.size());
-  for (std::int32_t row = common.first.row; row <= common.last.row; ++row) {
+  for (std::int32_t row = both.first.row; row <= both.last.row; ++row) {
     const int file_row = (row - in.first.row) * in.south;
     read_row(heights, first, file_row, cols, GDT_Float64, numbers.data(), in.file, gdal);
     if (is_coded) {

@@ -30,8 +30,7 @@ bool KeptHeights::is_kept_for_its_error(const Page& page, std::int32_t col, std:
 double KeptHeights::at(GridPoint p) {
   const Page* page = page_with(p);
   if (page == nullptr) return 0;
-  const std::int32_t col = (p.col >> page->grid.shift) - page->grid.first.col;
-  const std::int32_t row = (p.row >> page->grid.shift) - page->grid.first.row;
+  const auto [col, row] = page->grid.local(p);
   if (is_kept(*page, col, row)) return page->heights[page->index(col, row)];
   const std::uint64_t key = std::uint64_t{static_cast<std::uint32_t>(p.col)} << 32 | static_cast<std::uint32_t>(p.row);
   if (const auto known = found_.find(key); known != found_.end()) return known->second;

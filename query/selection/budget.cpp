@@ -11,6 +11,7 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/half_diamond.hpp"
 #include "query/pages/nearby_pages.hpp"
+#include "query/pages/page_descent.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/answer_builder.hpp"
 #include "query/selection/refusals.hpp"
@@ -35,9 +36,9 @@ class Fitting {
 
   Metres run() {
     count_border();
-    const Manifest& manifest = pages_.manifest();
-    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
-    for (std::size_t i = 0; i < tops.size(); ++i) consider(tops[i], kAlwaysSelected, manifest.top_generations[i]);
+    for_each_top(pages_.manifest(), region_, [&](PageId top, std::uint32_t generation) {
+      waiting_.push({kAlwaysSelected, top, generation});
+    });
     std::uint64_t counted = 0;
     while (!waiting_.empty() && !is_over_from(waiting_.top().largest)) {
       watch_.look();
@@ -75,8 +76,8 @@ class Fitting {
       const Page* page = nearby_.page_of_vertex(p);
       if (page == nullptr) continue;
       found.begin_page();
-      found.take(*page, (p.col >> page->grid.shift) - page->grid.first.col,
-                 (p.row >> page->grid.shift) - page->grid.first.row);
+      const auto [col, row] = page->grid.local(p);
+      found.take(*page, col, row);
       mask.insert(p);
     }
     const RestrictedQuadtree border = found.quadtree(region_, std::move(mask));
@@ -101,10 +102,6 @@ class Fitting {
            (budget_.triangles == 0 || s.triangles <= budget_.triangles);
   }
 
-  void consider(PageId id, ErrorCode largest, std::uint32_t generation) {
-    if (overlap(page_square(id), region_)) waiting_.push({largest, id, generation});
-  }
-
   void count(const Page& page) {
     for_each_in(page.grid, region_, [&](std::int32_t col, std::int32_t row) {
       const GridPoint p = page.grid.at(col, row);
@@ -113,10 +110,9 @@ class Fitting {
       const ErrorCode code = page.error(i, pages_.distance());
       if (code > 0 && !forced_.contains(key(p))) by_code_[code].add({1, triangles_added(page, i, p)});
     });
-    for (std::size_t i = 0; i < page.children.size(); ++i) {
-      const ChildEntry& child = page.children[i];
-      if (child.present) consider(child_page(page.id, i), child.largest, child.generation);
-    }
+    for_each_child(page, region_, [&](PageId child, const ChildEntry& entry) {
+      waiting_.push({entry.largest, child, entry.generation});
+    });
   }
 
   /// A vertex turns each half of its diamond into two triangles, of which those with data count. A half that leaves the

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/quadtree/rect.hpp"
 #include "query/selection/refusals.hpp"
 #include "talus/failure.hpp"
 #include "talus/question.hpp"
@@ -42,9 +43,8 @@ class CellTolerance final : public ToleranceField {
   [[nodiscard]] double at(GridPoint p) const override { return least({p, p}); }
   /// Exact. Costs in proportion to the outline of the rectangle, in cells.
   [[nodiscard]] double least(GridRect r) const override {
-    r = {{std::max(r.first.col, region_.first.col), std::max(r.first.row, region_.first.row)},
-         {std::min(r.last.col, region_.last.col), std::min(r.last.row, region_.last.row)}};
-    if (r.cols() < 1 || r.rows() < 1) return kNone;
+    r = common(r, region_);
+    if (is_empty(r)) return kNone;
     const Cells wanted{cell(cols_, r.first.col, region_.first.col), cell(rows_, r.first.row, region_.first.row),
                        cell(cols_, r.last.col, region_.first.col), cell(rows_, r.last.row, region_.first.row)};
     // Two by two of these hold the rectangle.

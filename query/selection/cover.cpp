@@ -1,7 +1,5 @@
 #include "query/selection/cover.hpp"
 
-#include <cstdlib>
-
 namespace talus {
 namespace {
 
@@ -17,15 +15,7 @@ class Around {
         pages_(pages) {}
 
   VerticesAround run() {
-    // The four root squares meet at the origin; each is two triangles along the diagonal through it or across it.
-    const std::int32_t side = root_side(extent_);
-    for (const std::int32_t y : {-side, 0}) {
-      for (const std::int32_t x : {-side, 0}) {
-        const Diamond d = diamond({x + side / 2, y + side / 2});
-        if (side == 1) continue;  // a single sample
-        for (const GridPoint apex : d.apexes) visit({apex, d.ends[0], d.ends[1]});
-      }
-    }
+    for_each_root_triangle(extent_, [&](const Triangle& root) { visit(root); });
     return std::move(outside_);
   }
 
@@ -34,25 +24,20 @@ class Around {
     if (!meets(t, region_)) return;
     if (region_.contains(t.apex) && region_.contains(t.left) && region_.contains(t.right)) return;  // seen from inside
     const GridPoint split = midpoint(t.left, t.right);
-    const bool is_finest = std::abs(t.left.col - t.right.col) < 2 && std::abs(t.left.row - t.right.row) < 2;
-    if (is_finest || !is_split(t, split)) {
-      if (!is_finest && !region_.contains(split)) leave_out(split);
+    if (is_finest(t) || !is_split(t, split)) {
+      if (!is_finest(t) && !region_.contains(split)) leave_out(split);
       for (const GridPoint p : {t.apex, t.left, t.right}) {
         if (!region_.contains(p)) outside_.corners.push_back(p);
       }
       return;
     }
     if (!region_.contains(split)) outside_.splits.push_back(split);
-    visit({split, t.apex, t.left});
-    visit({split, t.apex, t.right});
+    visit(left_half(t));
+    visit(right_half(t));
   }
 
   void leave_out(GridPoint split) {
-    if (const Page* page = pages_.page_of_vertex(split)) outside_.absent.take(*page, index_in(*page, split));
-  }
-  static std::size_t index_in(const Page& page, GridPoint p) {
-    return page.index((p.col >> page.grid.shift) - page.grid.first.col,
-                      (p.row >> page.grid.shift) - page.grid.first.row);
+    if (const Page* page = pages_.page_of_vertex(split)) outside_.absent.take(*page, page->index(split));
   }
 
   /// A triangle that leaves the extent is split by the extent's border, whether its split vertex is there or not.
@@ -61,7 +46,7 @@ class Around {
     if (border_.contains(split)) return true;
     if (height_in_tree(split) < finest_height_) return false;
     const Page* page = pages_.page_of_vertex(split);
-    return page != nullptr && above_(*page, index_in(*page, split));
+    return page != nullptr && above_(*page, page->index(split));
   }
 
   GridRect region_, extent_;

@@ -13,6 +13,7 @@
 
 #include "engine/machine/parallel.hpp"
 #include "engine/quadtree/border.hpp"
+#include "query/pages/page_descent.hpp"
 #include "query/pages/page_fates.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/answer_builder.hpp"
@@ -53,12 +54,10 @@ class RangeQuery {
     force_border();
     workers_.front()->fates.begin();
     std::vector<Wanted> pages;
-    const auto tops = pages_of_band(manifest_.bands - 1, manifest_.description.extent);
-    for (std::size_t i = 0; i < tops.size(); ++i) {
-      if (!overlap(page_square(tops[i]), region_)) continue;
-      pages.push_back({tops[i], manifest_.top_generations[i], true});
-      area_ += area_of(tops[i]);
-    }
+    for_each_top(manifest_, region_, [&](PageId top, std::uint32_t generation) {
+      pages.push_back({top, generation, true});
+      area_ += area_of(top);
+    });
     // The coarsest pages first, until there is enough to share.
     const std::size_t enough = threads_ == 1 ? 0 : kTasksAThread * static_cast<std::size_t>(threads_);
     while (!pages.empty() && pages.size() < enough && pages.front().id.band > 0) {
@@ -107,10 +106,8 @@ class RangeQuery {
 
   /// In the region, so that those of the pages below a page add up to its own.
   [[nodiscard]] std::int64_t area_of(PageId id) const {
-    const GridRect square = page_square(id);
-    const auto side = [](std::int64_t first, std::int64_t last) { return std::max<std::int64_t>(0, last - first); };
-    return side(std::max(square.first.col, region_.first.col), std::min(square.last.col, region_.last.col) + 1) *
-           side(std::max(square.first.row, region_.first.row), std::min(square.last.row, region_.last.row) + 1);
+    const GridRect part = common(page_square(id), region_);
+    return is_empty(part) ? 0 : part.samples();
   }
 
   /// What stored heights leave of a tolerance.
@@ -171,18 +168,15 @@ class RangeQuery {
     const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, *worker.decoder, worker.cost);
     worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
-    for (std::size_t i = 0; i < page.children.size(); ++i) {
-      const PageId child = child_page(wanted.id, i);
-      const ChildEntry& entry = page.children[i];
-      if (!entry.present || !overlap(page_square(child), region_)) continue;
+    for_each_child(page, region_, [&](PageId child, const ChildEntry& entry) {
       // A page with nothing above the tolerance counts in the bound as its entry says, though the border may need it
       // and more be known then: so increments, which do not read it, have the same bound.
       const bool is_wanted = above_(entry.largest);
       if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
-      if (!is_wanted && (above_from_ || !is_forced(child))) continue;
+      if (!is_wanted && (above_from_ || !is_forced(child))) return;
       below.push_back({child, entry.generation, is_wanted});
       settled -= area_of(child);
-    }
+    });
     const std::int64_t done = settled_.fetch_add(settled, std::memory_order_relaxed) + settled;
     if (&worker == workers_.front().get()) watch_.tell(static_cast<double>(done) / static_cast<double>(area_));
   }
@@ -206,10 +200,7 @@ class RangeQuery {
   void select_beside_border(const Page& page, std::span<const GridPoint> forced, Worker& worker) {
     std::vector<std::uint8_t>& is_forced = worker.is_forced;
     is_forced.assign(page.grid.size(), 0);
-    for (const GridPoint p : forced) {
-      is_forced[page.index((p.col >> page.grid.shift) - page.grid.first.col,
-                           (p.row >> page.grid.shift) - page.grid.first.row)] = 1;
-    }
+    for (const GridPoint p : forced) is_forced[page.index(p)] = 1;
     const auto is_needed = [&](std::size_t i) { return is_forced[i] != 0; };
     above_from_ ? choose<true>(page, worker, is_needed) : choose<false>(page, worker, is_needed);
     for (const auto [col, row] : worker.chosen) {
@@ -379,22 +370,15 @@ StoredSamples stored_samples(const StoredPages& pages, GridRect region, Watch& w
   const HeightStep& step = pages.manifest().description.step;
   QueryCost unused;
   PageDecoder decoder;
-  // From the top down: only a page above tells one that is missing from one that holds voids.
   const auto visit = [&](auto&& self, PageId id, std::uint32_t generation) -> void {
     watch.look();
     const Page& page = pages.get_heights(id, generation, decoder, unused);
-    const std::vector<ChildEntry> children = page.children;
-    for (std::size_t i = 0; i < children.size(); ++i) {
-      const PageId child = child_page(id, i);
-      if (children[i].present && overlap(page_square(child), region)) self(self, child, children[i].generation);
-    }
-    if (id.band == 0) copy_samples(page, step, stored);
+    if (id.band == 0) return copy_samples(page, step, stored);
+    const std::vector<ChildEntry> children = page.children;  // the decoder's next page replaces this one
+    for_each_child(id, children, region,
+                   [&](PageId child, const ChildEntry& entry) { self(self, child, entry.generation); });
   };
-  const Manifest& manifest = pages.manifest();
-  const auto tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
-  for (std::size_t i = 0; i < tops.size(); ++i) {
-    if (overlap(page_square(tops[i]), region)) visit(visit, tops[i], manifest.top_generations[i]);
-  }
+  for_each_top(pages.manifest(), region, [&](PageId top, std::uint32_t generation) { visit(visit, top, generation); });
   return stored;
 }
 

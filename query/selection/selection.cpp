@@ -9,6 +9,7 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "query/pages/nearby_pages.hpp"
+#include "query/pages/page_descent.hpp"
 #include "query/pages/page_fates.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/answer_builder.hpp"
@@ -18,16 +19,6 @@
 
 namespace talus {
 namespace {
-
-GridRect cut(GridRect a, GridRect b) {
-  return {{std::max(a.first.col, b.first.col), std::max(a.first.row, b.first.row)},
-          {std::min(a.last.col, b.last.col), std::min(a.last.row, b.last.row)}};
-}
-
-/// What lies within `reach` cells of a rectangle.
-GridRect around(GridRect r, std::int32_t reach) {
-  return {{r.first.col - reach, r.first.row - reach}, {r.last.col + reach, r.last.row + reach}};
-}
 
 class Selection {
  public:
@@ -54,11 +45,8 @@ class Selection {
     watch_.stage("choosing vertices", 0, kChoosing);
     fates_.begin();
     choose_forced();
-    const Manifest& manifest = pages_.manifest();
-    const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
-    for (std::size_t i = 0; i < tops.size(); ++i) {
-      if (overlap(page_square(tops[i]), question_.region)) choose(tops[i], manifest.top_generations[i]);
-    }
+    for_each_top(pages_.manifest(), question_.region,
+                 [&](PageId top, std::uint32_t generation) { choose(top, generation); });
     watch_.look();
     // A tolerance above all errors of one level selects a closed set; one that varies may not.
     if (question_.field) close_bottom_up(vertices_, root_);
@@ -157,21 +145,20 @@ class Selection {
 
   /// Whether a page, or one below it, may hold a vertex that is selected.
   [[nodiscard]] bool is_worth_reading(PageId id, const ChildEntry& entry) const {
-    if (!entry.present || !overlap(page_square(id), question_.region)) return false;
     if (!question_.field) return above_(entry.largest);
     // A vertex counts its whole diamond; in this page and below it none reaches farther than this.
-    const GridRect square = around(cut(page_square(id), question_.region), band_spacing(id.band + 1));
+    const GridRect square = grown(common(page_square(id), question_.region), band_spacing(id.band + 1));
     return error_of(entry.largest) > limit_in(square);
   }
   [[nodiscard]] double limit_in(GridRect rect) const {
-    return std::max(kept_above_, question_.field->least(cut(rect, extent_)) - lossy_);
+    return std::max(kept_above_, question_.field->least(common(rect, extent_)) - lossy_);
   }
   [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
     if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;
     if (!question_.field) return above_(page, i);
     const double error =
         page.is_implied(i) ? pages_.distance().metres(page.implied_distance(i)) : error_of(page.errors[i]);
-    return error > kept_above_ && error > limit_in(around({p, p}, spacing(p)));
+    return error > kept_above_ && error > limit_in(grown({p, p}, spacing(p)));
   }
 
   /// The page's own vertices in a rectangle, by page-relative column and row.
@@ -203,15 +190,13 @@ class Selection {
     watch_.require_vertices(selected_);
     ++pages_chosen_;
     watch_.tell(static_cast<double>(pages_chosen_) / static_cast<double>(pages_chosen_ + kPagesAhead));
-    for (std::size_t i = 0; i < page->children.size(); ++i) {
-      const PageId child = child_page(id, i);
-      const ChildEntry& entry = page->children[i];
+    for_each_child(*page, question_.region, [&](PageId child, const ChildEntry& entry) {
       if (is_worth_reading(child, entry) && is_fine_enough(child)) {
         choose(child, entry.generation);
-      } else if (entry.present && overlap(page_square(child), question_.region)) {
+      } else {
         absent_.code = std::max(absent_.code, entry.largest);
       }
-    }
+    });
   }
   /// Holds a level that may be selected.
   [[nodiscard]] bool is_fine_enough(PageId id) const { return band_shift(id.band + 1) > finest_height_; }
@@ -244,9 +229,7 @@ class Selection {
   }
   static bool is_data(const Page& page, GridPoint p) {
     if (page.valid.empty()) return true;
-    const std::int32_t col = (p.col >> page.grid.shift) - page.grid.first.col;
-    const std::int32_t row = (p.row >> page.grid.shift) - page.grid.first.row;
-    return page.valid[page.index(col, row)] != 0;
+    return page.valid[page.index(p)] != 0;
   }
 
   void gather_pages() {
@@ -254,9 +237,7 @@ class Selection {
     {
       const Stopwatch gathering(cost_.gathering_seconds);
       mark_pages();
-      const Manifest& manifest = pages_.manifest();
-      const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, extent_);
-      for (std::size_t i = 0; i < tops.size(); ++i) gather(tops[i], manifest.top_generations[i]);
+      for_each_top(pages_.manifest(), extent_, [&](PageId top, std::uint32_t generation) { gather(top, generation); });
     }
     cost_.gathering_seconds -= cost_.reading_seconds - reading_before;
   }
@@ -290,10 +271,7 @@ class Selection {
     });
     watch_.add_vertices(taken);
     watch_.tell(static_cast<double>(++pages_gathered_) / static_cast<double>(pages_marked_));
-    for (std::size_t i = 0; i < page->children.size(); ++i) {
-      const ChildEntry& child = page->children[i];
-      if (child.present) gather(child_page(id, i), child.generation);
-    }
+    for_each_child(*page, extent_, [&](PageId child, const ChildEntry& entry) { gather(child, entry.generation); });
   }
 
   /// Nobody knows how many pages choosing will look into: after so many it is said to be half done.

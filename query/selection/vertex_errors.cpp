@@ -22,8 +22,7 @@ std::vector<double> vertex_errors(const StoredPages& pages, const RestrictedQuad
                                 pages.file().string(), p.col, p.row),
                     pages.file());
     }
-    const std::size_t i = page->index((p.col >> page->grid.shift) - page->grid.first.col,
-                                      (p.row >> page->grid.shift) - page->grid.first.row);
+    const std::size_t i = page->index(p);
     errors.push_back(page->is_implied(i) ? pages.distance().metres(page->implied_distance(i))
                                          : error_of(page->errors[i]));
   });

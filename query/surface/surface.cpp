@@ -11,10 +11,6 @@
 namespace talus {
 namespace {
 
-bool is_finest(const Triangle& t) {
-  return (((t.left.col ^ t.right.col) | (t.left.row ^ t.right.row)) & 1) != 0;  // no sample in the middle
-}
-
 bool inside(const Triangle& t, GridRect r) { return r.contains(t.apex) && r.contains(t.left) && r.contains(t.right); }
 
 /// Which of its apex's four triangles a triangle is: a bit of RestrictedQuadtree::covers.
@@ -60,16 +56,9 @@ Surface::Surface(const StoredPages& pages, const ExtentBorder& border, Metres to
   require_tolerance(tolerance);
   if (pages.manifest().description.kept_above() > 0) kept_heights_.emplace(pages, cost);
   if (extent_.cols() < 2 || extent_.rows() < 2) return;  // no area, no triangle
-  const std::int32_t half = root_side(extent_) / 2;
-  for (const std::int32_t row : {-half, half}) {
-    for (const std::int32_t col : {-half, half}) {
-      const Diamond d = diamond({col, row});
-      for (const GridPoint apex : d.apexes) {
-        const Triangle root{apex, d.ends[0], d.ends[1]};
-        if (may_hold(root)) roots_.push_back(root);
-      }
-    }
-  }
+  for_each_root_triangle(extent_, [&](const Triangle& root) {
+    if (may_hold(root)) roots_.push_back(root);
+  });
 }
 
 bool Surface::may_hold(const Triangle& t) const {
@@ -93,8 +82,7 @@ bool Surface::is_selected(GridPoint p) {
   if (!entry.present) return false;
   if (entry.largest <= threshold_ && !border_.contains(p)) return false;  // without reading the page
   const Page& page = *nearby_.page(id);
-  const std::size_t i =
-      page.index((p.col >> page.grid.shift) - page.grid.first.col, (p.row >> page.grid.shift) - page.grid.first.row);
+  const std::size_t i = page.index(p);
   return page.errors[i] > threshold_ ||
          (page.is_implied(i) && pages_.distance().metres(page.implied_distance(i)) > tolerance_) || border_.contains(p);
 }
@@ -104,9 +92,7 @@ std::optional<Facet> Surface::facet(const Triangle& t) {
   const Page* page = nearby_.page(page_with(t.apex));
   if (page == nullptr) return std::nullopt;
   if (!page->covers.empty()) {
-    const std::size_t i = page->index((t.apex.col >> page->grid.shift) - page->grid.first.col,
-                                      (t.apex.row >> page->grid.shift) - page->grid.first.row);
-    if ((page->covers[i] & bit_of(t)) == 0) return std::nullopt;
+    if ((page->covers[page->index(t.apex)] & bit_of(t)) == 0) return std::nullopt;
   }
   return Facet{t, corner(t.apex), corner(t.left), corner(t.right)};
 }
@@ -120,8 +106,7 @@ double Surface::corner(GridPoint p) {
                               pages_.file().string(), id.x, id.y, id.band),
                   pages_.file());
   }
-  const std::int32_t col = (p.col >> page->grid.shift) - page->grid.first.col;
-  const std::int32_t row = (p.row >> page->grid.shift) - page->grid.first.row;
+  const auto [col, row] = page->grid.local(p);
   if (kept_heights_ && !kept_heights_->is_kept(*page, col, row)) return kept_heights_->at(p);
   return page->heights[page->index(col, row)];
 }

@@ -86,8 +86,4 @@ class Surface {
   std::vector<Triangle> roots_;
 };
 
-/// The halves of a triangle that is split: on the side of its left corner, and of its right one.
-[[nodiscard]] constexpr Triangle left_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.left}; }
-[[nodiscard]] constexpr Triangle right_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.right}; }
-
 }  // namespace talus

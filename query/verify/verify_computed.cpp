@@ -207,10 +207,7 @@ class TileChecks {
       valid_[to] = 1;
     });
   }
-  [[nodiscard]] std::size_t index(GridPoint p) const {
-    return static_cast<std::size_t>((std::int64_t{p.row} - window_.first.row) * window_.cols() +
-                                    (std::int64_t{p.col} - window_.first.col));
-  }
+  [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(window_, p); }
 
   /// Computes the tile in numbers of a kind; false if they do not hold its samples.
   bool compute(TileId id, std::size_t kind) {

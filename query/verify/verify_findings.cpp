@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/quadtree/rect.hpp"
+
 namespace talus {
 namespace {
 
@@ -23,10 +25,8 @@ void Findings::in(PageId page, const std::string& sentence) {
 }
 
 void Findings::in(GridRect samples, const std::string& sentence) {
-  const GridRect& e = description_.extent;
-  const GridRect part{{std::max(samples.first.col, e.first.col), std::max(samples.first.row, e.first.row)},
-                      {std::min(samples.last.col, e.last.col), std::min(samples.last.row, e.last.row)}};
-  if (part.cols() < 1 || part.rows() < 1) return everywhere(sentence);
+  const GridRect part = common(samples, description_.extent);
+  if (is_empty(part)) return everywhere(sentence);
   add(sentence);
   const auto [place, is_new] = places_.try_emplace(
       std::tuple{part.first.col, part.first.row, part.last.col, part.last.row}, report_.damaged.size());

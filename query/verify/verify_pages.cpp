@@ -116,9 +116,7 @@ class PageChecks {
     return true;
   }
   [[nodiscard]] ErrorCode error_at(const Page& page, GridPoint p) const {
-    const std::int32_t col = (p.col >> page.grid.shift) - page.grid.first.col;
-    const std::int32_t row = (p.row >> page.grid.shift) - page.grid.first.row;
-    return page.error(page.index(col, row), pages_.distance());
+    return page.error(page.index(p), pages_.distance());
   }
 
   /// Samples that the page above has, too.
@@ -132,8 +130,7 @@ class PageChecks {
         const GridPoint p = page.grid.at(col, row);
         if (page.is_own(p)) continue;
         const std::size_t here = page.index(col, row);
-        const std::int32_t above_col = (p.col >> above.grid.shift) - above.grid.first.col;
-        const std::int32_t above_row = (p.row >> above.grid.shift) - above.grid.first.row;
+        const auto [above_col, above_row] = above.grid.local(p);
         const std::size_t there = above.index(above_col, above_row);
         const bool is_data = page.valid.empty() || page.valid[here] != 0;
         const bool is_data_above = above.valid.empty() || above.valid[there] != 0;

@@ -1,0 +1,31 @@
+#pragma once
+// The way down through the pages of a region: only a page above tells one that is missing from one that holds voids.
+
+#include "engine/page/manifest.hpp"
+#include "engine/page/page_codec.hpp"
+
+namespace talus {
+
+/// visit(id, generation): the pages of the coarsest band that overlap a region, where every descent begins.
+template <class Visit>
+void for_each_top(const Manifest& manifest, GridRect region, Visit&& visit) {
+  const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
+  for (std::size_t i = 0; i < tops.size(); ++i) {
+    if (overlap(page_square(tops[i]), region)) visit(tops[i], manifest.top_generations[i]);
+  }
+}
+
+/// visit(id, entry): the stored pages below `id` that overlap a region.
+template <class Visit>
+void for_each_child(PageId id, std::span<const ChildEntry> children, GridRect region, Visit&& visit) {
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    const PageId child = child_page(id, i);
+    if (children[i].present && overlap(page_square(child), region)) visit(child, children[i]);
+  }
+}
+template <class Visit>
+void for_each_child(const Page& page, GridRect region, Visit&& visit) {
+  for_each_child(page.id, page.children, region, visit);
+}
+
+}  // namespace talus
