@@ -19,6 +19,8 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
+constexpr StreamProfile kProfile = StreamProfile::balanced;
+
 TEST(LevelSymbols, StripesAreAllRowsOnceOfAboutAsManyEach) {
   for (const std::int32_t rows : {0, 1, 2, 7, 100, 268435456}) {
     for (const std::size_t stripes : {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{64}}) {
@@ -157,8 +159,8 @@ void expect_levels_come_back() {
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    LevelEncoder<Code> encoder(StreamProfile::balanced);
-    LevelDecoder<Code> forward(StreamProfile::balanced), backward(StreamProfile::balanced);
+    LevelEncoder<Code> encoder(kProfile);
+    LevelDecoder<Code> forward(kProfile), backward(kProfile);
     for (int levels = random.between(1, 6); levels > 0; --levels) {  // tables may serve the next level, too
       Level<Code> level = random_level<Code>(random), back;
       const Bytes bytes = encoded(encoder, level);
@@ -179,10 +181,10 @@ TEST(LevelSymbols, ALevelLikeTheOneBeforeUsesItsTables) {
   Random random(2);
   Level<std::int32_t> level = random_level<std::int32_t>(random);
   while (!has_vertices(level)) level = random_level<std::int32_t>(random);
-  LevelEncoder<std::int32_t> encoder(StreamProfile::balanced);
+  LevelEncoder<std::int32_t> encoder(kProfile);
   const Bytes first = encoded(encoder, level), second = encoded(encoder, level);
   EXPECT_LT(second.size(), first.size());
-  LevelDecoder<std::int32_t> decoder(StreamProfile::balanced);
+  LevelDecoder<std::int32_t> decoder(kProfile);
   Level<std::int32_t> back;
   EXPECT_FALSE(decoded(decoder, second, level, back)) << "without the tables it is damaged";
   ASSERT_TRUE(decoded(decoder, first, level, back));
@@ -198,7 +200,7 @@ void for_each_encoded(std::uint64_t seeds, Visit&& visit) {
     Random random(seed);
     Level<Code> level = random_level<Code>(random);
     if (!has_vertices(level)) continue;
-    LevelEncoder<Code> encoder(StreamProfile::balanced);
+    LevelEncoder<Code> encoder(kProfile);
     visit(random, encoded(encoder, level), level);
   }
 }
@@ -207,12 +209,12 @@ TEST(LevelSymbols, EveryTruncationIsRefused) {
   for_each_encoded<std::int32_t>(25, [](Random&, const Bytes& bytes, const Level<std::int32_t>& level) {
     Level<std::int32_t> back;
     for (std::size_t size = 1; size < bytes.size(); ++size) {  // no bytes at all: every candidate is absent
-      LevelDecoder<std::int32_t> decoder(StreamProfile::balanced);
+      LevelDecoder<std::int32_t> decoder(kProfile);
       EXPECT_FALSE(decoded(decoder, std::span(bytes).first(size), level, back)) << size << " of " << bytes.size();
     }
     Bytes longer = bytes;
     longer.push_back(std::byte{0});
-    LevelDecoder<std::int32_t> decoder(StreamProfile::balanced);
+    LevelDecoder<std::int32_t> decoder(kProfile);
     EXPECT_FALSE(decoded(decoder, longer, level, back));
   });
 }
@@ -229,7 +231,7 @@ void expect_any_bytes_are_harmless() {
       }
       for (int flips = random.between(1, 4); flips > 0; --flips)
         other[static_cast<std::size_t>(random.next() % other.size())] ^= static_cast<std::byte>(random.between(1, 255));
-      LevelDecoder<Code> decoder(StreamProfile::balanced);
+      LevelDecoder<Code> decoder(kProfile);
       Level<Code> back;
       if (!decoded(decoder, other, level, back)) {
         ++refused;
