@@ -96,7 +96,8 @@ TEST(StreamBytes, EachSealDependsOnAllThatCameBefore) {
   EXPECT_EQ(in.take<std::uint64_t>(), first);
   const std::uint64_t second = stream_checksum(in.take(4), first);
   EXPECT_EQ(in.take<std::uint32_t>(), static_cast<std::uint32_t>(second));
-  EXPECT_NE(Bytes(sealed(3, 2).end() - 4, sealed(3, 2).end()), Bytes(bytes.end() - 4, bytes.end()));
+  const Bytes other = sealed(3, 2);
+  EXPECT_NE(Bytes(other.end() - 4, other.end()), Bytes(bytes.end() - 4, bytes.end())) << "after another first one";
 }
 
 TEST(StreamBytes, LengthsComeBackAndTruncationsAreCorrupt) {
