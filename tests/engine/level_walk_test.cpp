@@ -1,5 +1,5 @@
-// The walk from one spacing to half of it, against loops over all grid points: which are candidates, what is expected of
-// each, and the vertices that come out.
+// The walk from one spacing to half of it, against loops over all grid points. Held up are the candidates, what is
+// expected of each, and the vertices that come out.
 
 #include "engine/stream/level_walk.hpp"
 

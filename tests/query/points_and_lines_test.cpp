@@ -77,24 +77,19 @@ TEST(PointsAndLines, SamplesComeOnceInTheOrderInWhichTheyWereFirstMet) {
   EXPECT_EQ(samples_along(Description{}, kRegion, lines), (Samples{{3, 4}, {4, 4}, {5, 4}, {6, 5}, {4, 3}, {3, 3}}));
 }
 
-/// All samples within half a cell of a line across its longer axis, by steps of a thousandth of a cell.
+/// The sample nearest to each crossing of a line with a line of samples across its longer axis, and to its corners. By
+/// trying all lines of samples up to 400.
 std::set<std::pair<int, int>> stepped(const std::vector<Position>& line) {
   std::set<std::pair<int, int>> found;
+  const auto add = [&](double col, double row) { found.emplace(std::floor(col + 0.5), std::floor(row + 0.5)); };
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const double cols = line[i].x - line[i - 1].x, rows = line[i - 1].y - line[i].y;
-    const double longer = std::max(std::abs(cols), std::abs(rows));
-    const int first = static_cast<int>(std::ceil(std::min(
-        std::abs(cols) >= std::abs(rows) ? std::min(line[i].x, line[i - 1].x) : -std::max(line[i].y, line[i - 1].y),
-        1e9)));
-    for (int k = 0; k <= static_cast<int>(longer) && longer > 0; ++k) {
-      const double at = first + k;
-      const bool by_col = std::abs(cols) >= std::abs(rows);
-      const double from = by_col ? line[i - 1].x : -line[i - 1].y, t = (at - from) / (by_col ? cols : rows);
-      if (t < 0 || t > 1) continue;
-      const double col = by_col ? at : line[i - 1].x + t * cols, row = by_col ? -line[i - 1].y + t * rows : at;
-      found.emplace(std::floor(col + 0.5), std::floor(row + 0.5));
+    const double col = line[i - 1].x, row = -line[i - 1].y, cols = line[i].x - col, rows = -line[i].y - row;
+    for (int at = 0; at <= 400; ++at) {
+      const double t = std::abs(cols) >= std::abs(rows) ? (at - col) / cols : (at - row) / rows;
+      if (t >= 0 && t <= 1) add(col + t * cols, row + t * rows);
     }
-    for (const Position p : {line[i - 1], line[i]}) found.emplace(std::floor(p.x + 0.5), std::floor(-p.y + 0.5));
+    add(col, row);
+    add(col + cols, row + rows);
   }
   return found;
 }

@@ -77,8 +77,6 @@ TEST(Watch, CountsVerticesUpToTheLimitAndNotOneMore) {
 
 TEST(Watch, VerticesThatAreNotTheAnswersCountByTheirBytesAlone) {
   Question question;
-  question.limits = {10, 20 * kBytesAVertex};
-  std::swap(question.limits.vertices, question.limits.memory_bytes);
   question.limits.vertices = 10;
   question.limits.memory_bytes = 20 * kBytesAVertex;
   Watch watch(question);
