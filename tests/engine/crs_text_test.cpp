@@ -76,6 +76,26 @@ TEST(CrsText, ACompoundSystemIsItsHorizontalPart) {
             4807);
 }
 
+TEST(CrsText, ABoundSystemIsItsSource) {
+  const CrsFacts facts =
+      facts_of_wkt(R"(BOUNDCRS[SOURCECRS[GEOGCRS["a",DATUM["d",ELLIPSOID["e",6400000,300]],CS[ellipsoidal,2],)"
+                   R"(ANGLEUNIT["gon",0.015707963267949],ID["EPSG",4807]]],TARGETCRS[GEOGCRS["WGS 84",DATUM["w",)"
+                   R"(ELLIPSOID["w",6378137,298.257223563]],ID["EPSG",4326]]],ABRIDGEDTRANSFORMATION["t"]])");
+  EXPECT_TRUE(facts.is_geographic);
+  EXPECT_EQ(facts.epsg, 4807);
+  EXPECT_EQ(facts.equatorial_radius, 6400000);
+  EXPECT_EQ(facts.flattening, 1 / 300.0);
+  EXPECT_NEAR(facts.degrees_per_unit, 0.9, 1e-9);
+}
+
+TEST(CrsText, CoordinatesFromTheCentreOfTheEarthAreNoLongitudes) {
+  const std::string datum = R"(DATUM["d",ELLIPSOID["e",6400000,300]])";
+  const CrsFacts facts = facts_of_wkt("GEODCRS[\"a\"," + datum + R"(,CS[Cartesian,3],LENGTHUNIT["kilometre",1000]])");
+  EXPECT_FALSE(facts.is_geographic);
+  EXPECT_EQ(facts.metres_per_unit, 1000);
+  EXPECT_TRUE(facts_of_wkt("GEODCRS[\"a\"," + datum + ",CS[ellipsoidal,2]]").is_geographic);
+}
+
 TEST(CrsText, QuotesInNamesAndAnyTextAreHarmless) {
   EXPECT_EQ(facts_of_wkt(R"(LOCAL_CS["a ""quoted"" name",UNIT["foot",0.3048]])").name, "a \"quoted\" name");
   EXPECT_EQ(facts_of_wkt(R"(LOCAL_CS["a",UNIT["foot",0.3048]])").metres_per_unit, 0.3048);

@@ -85,6 +85,24 @@ TEST(Manifest, DecodeOfEncodeIsTheManifest) {
   EXPECT_EQ(b.error_metric, d.error_metric);
 }
 
+TEST(Manifest, EachFactOfACrsAndOfItsHeightsComesBackInItsPlace) {
+  Manifest m = example();
+  Description& d = m.description;
+  d.crs = {"gon and yards", 4807, true, 0.9144, 0.9, 6378249.2, 1 / 293.466};  // no two are alike
+  d.finest_tolerance = 0.75;
+  const Description back = decode_manifest(encode(m)).description;
+  EXPECT_EQ(back.crs, d.crs);
+  EXPECT_EQ(back.finest_tolerance, 0.75);
+  // The names under which a reader of another kind finds them: docs/format/v2.md.
+  const Json crs = json_of(m).at("crs");
+  EXPECT_EQ(crs.at("epsg"), 4807);
+  EXPECT_EQ(crs.at("metres_per_unit"), 0.9144);
+  EXPECT_EQ(crs.at("degrees_per_unit"), 0.9);
+  EXPECT_EQ(crs.at("equatorial_radius"), 6378249.2);
+  EXPECT_EQ(crs.at("flattening"), 1 / 293.466);
+  EXPECT_EQ(json_of(m).at("vertical").at("metres_per_unit"), 0.3048);
+}
+
 TEST(Manifest, ErrorsHaveAKindAndAMetric) {
   for (const ErrorKind kind : {ErrorKind::exact, ErrorKind::nested, ErrorKind::midpoint}) {
     Manifest m = example();

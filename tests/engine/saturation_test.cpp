@@ -127,5 +127,57 @@ TEST(Saturation, AFlatDecimalTerrainHasNoErrorAnywhere) {
   for_each_vertex(errors, [&](GridPoint p) { EXPECT_EQ(errors[p], 0) << name_of(p); });
 }
 
+/// The largest code of a vertex and all that hang below it, by plain recursion: a side midpoint's children are the four
+/// centres of half its spacing around it, a centre's the four side midpoints of its square.
+/// known: -1 where nothing was found yet.
+ErrorCode largest_below(const LevelGrid<ErrorCode>& errors, GridPoint p, LevelGrid<std::int32_t>& known) {
+  if (!errors.holds(p)) return 0;
+  if (known[p] >= 0) return static_cast<ErrorCode>(known[p]);
+  std::int32_t s = 1;
+  while (p.col % (2 * s) == 0 && p.row % (2 * s) == 0) s *= 2;
+  const bool centre = p.col % (2 * s) != 0 && p.row % (2 * s) != 0;
+  ErrorCode largest = errors[p];
+  const std::int32_t far = centre ? s : s / 2;  // none: it is one of the finest
+  for (const std::int32_t dx : {-1, 0, 1}) {
+    for (const std::int32_t dy : {-1, 0, 1}) {
+      if (far == 0 || (dx != 0) + (dy != 0) != (centre ? 1 : 2)) continue;
+      largest = std::max(largest, largest_below(errors, {p.col + dx * far, p.row + dy * far}, known));
+    }
+  }
+  known[p] = largest;
+  return largest;
+}
+
+TEST(Saturation, OfAnyCodesIsTheLargestOfAllDescendants) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const int cols = random.between(1, 60), rows = random.between(1, 60);
+    // Whole numbers are gathered by kernels, others one by one; none is exactly zero, so that nothing becomes so.
+    Terrain terrain = noise(cols, rows, seed, 1, 1000);
+    const bool rounds = random.chance(0.5);
+    if (!rounds) {
+      for (double& v : terrain.values) v = std::nearbyint(v);
+    }
+    const Field field(terrain, {random.between(-100, 40), random.between(-100, 40)});
+    LevelGrid<ErrorCode> raw(field.extent, kTileLevels, 0);
+    const double density = random.unit();
+    for_each_vertex(raw, [&](GridPoint p) {
+      if (random.chance(density)) raw[p] = static_cast<ErrorCode>(random.between(1, kLastFiniteError));
+    });
+    LevelGrid<ErrorCode> errors = raw;
+    saturate(field.input, errors);
+    LevelGrid<std::int32_t> known(field.extent, kTileLevels, -1);
+    std::size_t different = 0;
+    for_each_vertex(raw, [&](GridPoint p) {
+      const ErrorCode expected = largest_below(raw, p, known);
+      if (errors[p] != expected && ++different <= 3)
+        ADD_FAILURE() << name_of(p) << ": " << errors[p] << ", not " << expected;
+    });
+    EXPECT_EQ(different, 0u);
+    if (HasFailure()) return;
+  }
+}
+
 }  // namespace
 }  // namespace talus::support

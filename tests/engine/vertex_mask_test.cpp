@@ -1,7 +1,10 @@
-// Sets of vertices and their ranks, against std::set.
+// Sets of vertices and their ranks, against std::set and against one bool a sample.
 
+#include <algorithm>
+#include <cstddef>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -74,6 +77,103 @@ TEST(VertexMask, AnEmptyOneHasNoMembers) {
   EXPECT_EQ(none.size(), 0u);
   EXPECT_EQ(mask.size(), 0u);
   mask.for_each([](GridPoint) { FAIL(); });
+}
+
+/// A mask and a vector of bools side by side.
+struct Both {
+  explicit Both(GridRect r)
+      : region(r), mask(r), plain(static_cast<std::size_t>(r.samples())), cols(static_cast<std::size_t>(r.cols())) {}
+  [[nodiscard]] std::size_t at(GridPoint p) const {
+    return static_cast<std::size_t>(p.row - region.first.row) * cols +
+           static_cast<std::size_t>(p.col - region.first.col);
+  }
+  void insert(GridPoint p) {
+    mask.insert(p);
+    plain[at(p)] = true;
+  }
+  void expect_same() {
+    mask.seal();
+    ASSERT_EQ(mask.size(), static_cast<std::size_t>(std::count(plain.begin(), plain.end(), true)));
+    std::vector<GridPoint> members, visited;
+    for_each_point(region, [&](GridPoint p) {
+      ASSERT_EQ(mask.contains(p), plain[at(p)]) << name_of(p);
+      ASSERT_EQ(mask.rank(p), members.size()) << name_of(p);
+      if (plain[at(p)]) members.push_back(p);
+    });
+    mask.for_each([&](GridPoint p) { visited.push_back(p); });
+    EXPECT_EQ(visited, members);
+  }
+  GridRect region;
+  VertexMask mask;
+  std::vector<bool> plain;
+  std::size_t cols;
+};
+
+TEST(VertexMask, IsAVectorOfBoolsWhateverIsDoneToIt) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const GridPoint first{random.between(-500, 500), random.between(-500, 500)};
+    const GridRect region{first, {first.col + random.between(0, 200), first.row + random.between(0, 30)}};
+    const auto any_row = [&] { return random.between(region.first.row, region.last.row); };
+    const auto any_point = [&] { return GridPoint{random.between(region.first.col, region.last.col), any_row()}; };
+    Both both(region);
+    for (int operations = 12; operations > 0; --operations) {
+      switch (random.between(0, 4)) {
+        case 0:
+          for (int i = 0; i < 50; ++i) both.insert(any_point());
+          break;
+        case 1: {  // a row's words, each bit set or not
+          const std::int32_t row = any_row();
+          const auto words = both.mask.row_words(row);
+          ASSERT_EQ(words.size(), (both.cols + 63) / 64);
+          for (std::size_t i = 0; i < both.cols; ++i) {
+            const bool in = random.chance(0.5);
+            const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+            words[i / 64] = in ? words[i / 64] | bit : words[i / 64] & ~bit;
+            both.plain[both.at({region.first.col + static_cast<std::int32_t>(i), row})] = in;
+          }
+          break;
+        }
+        case 2: {  // those of some rows, read as words and as points
+          both.mask.seal();
+          const std::int32_t from = any_row(), to = random.between(from - 1, region.last.row);
+          std::vector<GridPoint> expected, visited;
+          if (from <= to) {
+            for_each_point({{region.first.col, from}, {region.last.col, to}}, [&](GridPoint p) {
+              const auto i = static_cast<std::size_t>(p.col - region.first.col);
+              const auto words = std::as_const(both.mask).row_words(p.row);
+              ASSERT_EQ((words[i / 64] >> (i % 64) & 1u) != 0, both.plain[both.at(p)]);
+              if (both.plain[both.at(p)]) expected.push_back(p);
+            });
+          }
+          both.mask.for_each_in_rows(from, to, [&](GridPoint p) { visited.push_back(p); });
+          EXPECT_EQ(visited, expected);
+          break;
+        }
+        case 3: {  // many ranks at once
+          both.mask.seal();
+          std::vector<GridPoint> points;
+          for (int i = 0; i < 40; ++i) points.push_back(any_point());
+          std::vector<std::uint32_t> ranks(points.size());
+          both.mask.ranks(points, ranks);
+          for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto end = both.plain.begin() + static_cast<std::ptrdiff_t>(both.at(points[i]));
+            ASSERT_EQ(ranks[i], std::count(both.plain.begin(), end, true)) << name_of(points[i]);
+          }
+          break;
+        }
+        default: {  // a copy lives on its own
+          Both copy = both;
+          copy.insert(any_point());
+          copy.expect_same();
+          break;
+        }
+      }
+      both.expect_same();
+      if (HasFatalFailure()) return;
+    }
+  }
 }
 
 }  // namespace

@@ -151,5 +151,71 @@ TEST(FillVoids, GivesVerticesAboveTheLevelsAFillIfDataIsNear) {
   EXPECT_EQ(Filled(terrain).at({0, 0}), 0);
 }
 
+TEST(FillVoids, ChangesOnlyTheVoidsOfItsRectangle) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const Terrain terrain = random_holes(random);
+    if (!terrain.has_voids()) continue;
+    const Field field(terrain, random_origin(random));
+    const GridPoint first{random.between(field.extent.first.col - 9, field.extent.last.col),
+                          random.between(field.extent.first.row - 9, field.extent.last.row)};
+    const GridRect within{first, {first.col + random.between(-1, 40), first.row + random.between(0, 40)}};
+    Codes codes = codes_of(terrain.values);
+    std::visit(
+        [&](auto& all) {
+          for (std::size_t i = 0; i < all.size(); ++i) {
+            if (field.valid[i] == 0) all[i] = 77;
+          }
+        },
+        codes);
+    const VoidMap voids(field.extent, field.valid, kTileLevels);
+    fill_voids(field.extent, field.valid, voids, within, codes);
+    for_each_point(field.extent, [&](GridPoint p) {
+      const bool is_void = field.valid[field.index(p)] == 0;
+      const double expected = is_void && !within.contains(p) ? 77 : field.input.field[p];
+      EXPECT_EQ(code_at(view(codes), field.index(p)), expected) << name_of(p);
+    });
+    if (HasFailure()) return;
+  }
+}
+
+TEST(Voids, DataIsNearIfASampleLiesWithinReach) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const GridPoint first = random_origin(random);
+    const GridRect extent{first, {first.col + random.between(0, 150), first.row + random.between(0, 150)}};
+    std::vector<std::uint8_t> valid(static_cast<std::size_t>(extent.samples()), 0);
+    const GridPoint sample{random.between(extent.first.col, extent.last.col),
+                           random.between(extent.first.row, extent.last.row)};
+    valid[static_cast<std::size_t>((sample.row - first.row) * extent.cols() + (sample.col - first.col))] = 1;
+    for_each_point(extent, [&](GridPoint p) {
+      const bool expected = std::abs(p.col - sample.col) <= 64 && std::abs(p.row - sample.row) <= 64;
+      ASSERT_EQ(has_data_near(extent, valid, p), expected) << name_of(p) << " and " << name_of(sample);
+    });
+  }
+}
+
+TEST(Voids, AMapThatIsSetAgainIsAsOneMadeAnew) {
+  Random random(8);
+  VoidMap again({{0, 0}, {0, 0}}, std::vector<std::uint8_t>{1}, 1);
+  for (int time = 0; time < 20; ++time) {
+    const Field field(random_holes(random), random_origin(random));
+    const VoidMap anew(field.extent, field.valid, kTileLevels);
+    again.reset(field.extent, field.valid, kTileLevels);
+    EXPECT_EQ(again.levels(), anew.levels());
+    for_each_point(field.extent, [&](GridPoint p) {
+      ASSERT_EQ(again.holds(p), anew.holds(p));
+      if (!anew.holds(p)) return;
+      for (const int side : {0, 1}) ASSERT_EQ(again.half(p, side), anew.half(p, side));
+      ASSERT_EQ(again.apex_triangles_with_data(p), anew.apex_triangles_with_data(p));
+      const std::int32_t s = spacing(p);
+      const std::uint8_t units = again.units(height_in_tree(p)).at(p.col / s, p.row / s);
+      ASSERT_EQ(units, anew.half(p, 0) | anew.half(p, 1) << 2);
+    });
+  }
+}
+
 }  // namespace
 }  // namespace talus::support

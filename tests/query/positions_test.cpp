@@ -63,6 +63,7 @@ TEST(Positions, AreThoseOfTheCrs) {
 TEST(Positions, AreMetresFromAnOrigin) {
   const LocalOrigin origin{{500000, 3999980}, 100};
   const std::vector<double> at = positions(square(), projected(), Coordinates::local, origin);
+  EXPECT_DOUBLE_EQ(at[1], 20 * 0.3048) << "north";
   EXPECT_DOUBLE_EQ(at[9], 10 * 0.3048);
   EXPECT_DOUBLE_EQ(at[10], 0);
   EXPECT_DOUBLE_EQ(at[11], -5);
@@ -101,6 +102,20 @@ TEST(Positions, AroundAnOriginKeepDistances) {
   EXPECT_LT(near[7], -1000) << "south";
 }
 
+TEST(Positions, OnTheEllipsoidHeightsAreInTheirOwnUnit) {
+  Description feet = geographic();
+  feet.metres_per_unit = 0.3048;
+  Mesh in_metres = square();
+  for (double& h : in_metres.heights) h *= 0.3048;
+  const LocalOrigin origin{{7, 46}, 50}, in_metres_origin{{7, 46}, 50 * 0.3048};
+  for (const Coordinates coordinates : {Coordinates::ecef, Coordinates::local}) {
+    const std::vector<double> at = positions(square(), feet, coordinates, origin),
+                              expected = positions(in_metres, geographic(), coordinates, in_metres_origin);
+    for (std::size_t i = 0; i < at.size(); ++i) EXPECT_NEAR(at[i], expected[i], 1e-6);
+  }
+  EXPECT_NEAR(positions(square(), feet, Coordinates::local, origin)[2], 50 * 0.3048, 1e-6) << "above the origin";
+}
+
 TEST(Positions, NormalsAreUnitVectorsUpward) {
   Mesh mesh = square();
   const Description d = projected();
@@ -116,6 +131,26 @@ TEST(Positions, NormalsAreUnitVectorsUpward) {
   const std::vector<float> steep = normals(mesh, positions(mesh, d, Coordinates::local));
   EXPECT_NEAR(steep[0], -std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(steep[2], std::sqrt(0.5), 1e-6);
+  // One that rises two metres a metre northward.
+  for (std::size_t i = 0; i < mesh.size(); ++i) mesh.heights[i] = -mesh.place(i).row * 20 * 2 * 0.3048 / 0.5;
+  const std::vector<float> north = normals(mesh, positions(mesh, d, Coordinates::local));
+  EXPECT_NEAR(north[0], 0, 1e-6);
+  EXPECT_NEAR(north[1], -2 * std::sqrt(0.2), 1e-6);
+  EXPECT_NEAR(north[2], std::sqrt(0.2), 1e-6);
+}
+
+TEST(Positions, ANormalIsTheMeanOfItsTrianglesByTheirAreas) {
+  Mesh mesh = square();
+  mesh.triangles.resize(2);
+  // A large triangle that lies flat and a small one that stands upright, at one corner.
+  const std::vector<double> at{0, 0, 0, 0, 1, 0, 10, 0, 0, 0, 10, 0, 0, 0, 1};
+  mesh.triangles[0] = {0, 2, 3};
+  mesh.triangles[1] = {0, 1, 4};
+  const std::vector<float> sums = normals(mesh, at);
+  const double length = std::hypot(100, 1);
+  EXPECT_NEAR(sums[0], 1 / length, 1e-6);
+  EXPECT_NEAR(sums[1], 0, 1e-6);
+  EXPECT_NEAR(sums[2], 100 / length, 1e-6);
 }
 
 TEST(Positions, RefuseWhatTheyCannotGive) {
@@ -134,6 +169,9 @@ TEST(Positions, RefuseWhatTheyCannotGive) {
               static_cast<void>(positions(square(), projected(), Coordinates::local, {{none, 0}, 0}));
             }),
             Cause::invalid_argument);
+  for (const LocalOrigin& origin : {LocalOrigin{{0, none}, 0}, LocalOrigin{{0, 0}, none}})
+    EXPECT_EQ(cause_of([&] { static_cast<void>(positions(square(), projected(), Coordinates::local, origin)); }),
+              Cause::invalid_argument);
   EXPECT_EQ(cause_of([] {
               static_cast<void>(positions(square(), geographic(), Coordinates::local, {{7, 91}, 0}));
             }),
