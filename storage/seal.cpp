@@ -124,9 +124,8 @@ void break_seal(const std::filesystem::path& path) {
 std::string check_seal(const std::filesystem::path& path) {
   const File file(path, O_RDONLY);
   const auto seal = seal_of(file);
-  if (!seal) return "no seal at the file's end: it was cut or lengthened, or never finished";
-  if (seal_over(file, file.size() - kSealBytes) != *seal)
-    return "the file's bytes are not those that were sealed when it was made";
+  if (!seal) return "the file has no seal at its end: it was cut short or lengthened, or never finished";
+  if (seal_over(file, file.size() - kSealBytes) != *seal) return "the file's bytes have changed since it was finished";
   return "";
 }
 

@@ -222,10 +222,10 @@ void require(const SampleWindow& samples, Metres tolerance, const BitreeOptions&
   const bool fits = r.cols() > 0 && r.rows() > 0 && r.cols() <= kMaxExtent && r.rows() <= kMaxExtent &&
                     samples.values.size() == static_cast<std::size_t>(r.samples()) &&
                     samples.valid.size() == samples.values.size();
-  if (!fits) refuse("a bitree needs a region with one value and one mark of validity for each of its samples");
+  if (!fits) refuse("a bitree needs a region with one value and one valid flag a sample");
   if (!(tolerance.value >= 0)) refuse("the tolerance of a bitree must be 0 m or more");
   if (!(options.metres_per_unit > 0) || !(options.cell.value > 0) || !(options.void_weight > 0))
-    refuse("metres per unit, cell and weight of voids must be above 0");
+    refuse("BitreeOptions: metres_per_unit, cell and void_weight must be above 0");
   for (std::size_t i = 0; i < samples.values.size(); ++i) {
     if (samples.valid[i] && !std::isfinite(samples.values[i])) refuse("a valid height is not finite");
   }
@@ -297,10 +297,10 @@ Bitree bitree_of(const SampleWindow& samples, Metres tolerance, const BitreeOpti
 
 Bitree complete_bitree(const VertexMask& selected, std::span<const double> heights) {
   if (selected.region().cols() <= 0 || selected.region().rows() <= 0 || heights.size() != selected.size())
-    refuse("a bitree needs one height for each selected vertex");
+    refuse("a bitree needs one height a selected vertex");
   Hierarchy h(selected.region());
   for (const GridPoint p : border_vertices(selected.region(), root_side(selected.region()))) {
-    if (!selected.contains(p)) refuse("vertices that the sides of the region need are not selected");
+    if (!selected.contains(p)) refuse("a bitree needs every vertex that the sides of its region need: select them too");
   }
   selected.for_each([&](GridPoint p) { h.select(p); });
   std::vector<double> all(static_cast<std::size_t>(selected.region().samples()));

@@ -76,7 +76,7 @@ void require_whole(const Bitree& bitree) {
   const std::size_t size = bitree.vertices.size();
   if (bitree.kinds.size() != size || bitree.heights.size() != size ||
       (!bitree.covers.empty() && bitree.covers.size() != size)) {
-    throw Failure(Cause::corrupt, "corrupt: a bitree with other numbers of kinds, heights or covers than of vertices");
+    throw Failure(Cause::corrupt, "corrupt: the bitree does not have one kind, height and cover a vertex");
   }
 }
 
@@ -145,7 +145,7 @@ Mesh mesh_of(const Bitree& bitree) {
   Cutter cutter(mask);
   Walk(bitree).run([&](GridPoint from, GridPoint apex, GridPoint to) {
     for (const GridPoint p : {from, apex, to}) {
-      if (!mask.contains(p)) throw Failure(Cause::corrupt, "corrupt: a bitree whose triangles lack a corner");
+      if (!mask.contains(p)) throw Failure(Cause::corrupt, "corrupt: a triangle of the bitree lacks a corner");
     }
     cutter.cut(from, apex, to);
   });

@@ -41,7 +41,8 @@ const BlockKernel& block_kernel() {
     if (kernel->name == std::string(wanted)) return *kernel;
     names += (names.empty() ? "" : ", ") + std::string(kernel->name);
   }
-  throw Failure(Cause::invalid_argument, fmt::format("TALUS_KERNEL is {}: this machine has {}", wanted, names));
+  throw Failure(Cause::invalid_argument,
+                fmt::format("TALUS_KERNEL is {}: choose one that this machine has: {}", wanted, names));
 }
 
 }  // namespace talus::detail

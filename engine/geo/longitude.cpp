@@ -80,7 +80,7 @@ Rectangle Longitudes::among(const Rectangle& asked) const {
     const Part &first = parts.front(), &second = parts.back();
     throw Failure(
         Cause::invalid_argument,
-        fmt::format("rectangle {},{},{},{} lies at both ends of the raster: ask for {},{},{},{} and for {},{},{},{}",
+        fmt::format("rectangle {},{},{},{} meets both ends of the raster: ask for {},{},{},{} and for {},{},{},{}",
                     asked.xmin, asked.ymin, asked.xmax, asked.ymax, first.west, asked.ymin, first.east, asked.ymax,
                     second.west, asked.ymin, second.east, asked.ymax));
   }

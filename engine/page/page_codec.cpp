@@ -388,7 +388,7 @@ struct PageDecoder::Scratch {
     if (coding < Coding::float_bits) return;
     for (std::size_t i = 0; i < page.heights.size(); ++i) {
       if (std::isfinite(page.heights[i])) continue;
-      if (needed.empty() || needed[i] != 0) corrupt("a height that is no number");
+      if (needed.empty() || needed[i] != 0) corrupt("a height is not a finite number");
       page.heights[i] = 0;  // a void that nothing needs, between bits of both signs
     }
   }
@@ -409,25 +409,25 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
   page.extent = extent;
   const Placement place(page.grid);
   const std::size_t n = page.grid.size();
-  if (bytes.size() < kHeader) s.corrupt("ends early");
+  if (bytes.size() < kHeader) s.corrupt("it ends too early");
   const auto byte = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  if (byte(0) != kVersion) s.corrupt("unknown version");
+  if (byte(0) != kVersion) s.corrupt("its version is unknown");
   const unsigned coding_byte = byte(1), flags = byte(2), implied = byte(3);
-  if (coding_byte >= kCodings) s.corrupt("unknown coding of heights");
+  if (coding_byte >= kCodings) s.corrupt("its coding of heights is unknown");
   const auto coding = static_cast<Coding>(coding_byte);
   if ((flags & ~unsigned{kAllFlags}) != 0 ||
       ((flags & (kHasVoids | kInnerCoversFollow)) != 0 && (flags & kHasCovers) == 0))
-    s.corrupt("impossible flags");
+    s.corrupt("its flags contradict each other");
   if (((flags & kHasChildren) != 0) != (id.band > 0))
-    s.corrupt("table of pages below where none belongs, or none where one does");
+    s.corrupt("child entries are missing, or a page of band 0 has some");
   s.implied = static_cast<Implied>(implied);
   page.drops_heights = (flags & kDropsHeights) != 0;
   if (implied > 3 || (implied != 0 && (id.band > 0 || n == 0 || page.drops_heights)) ||
       (s.implied == Implied::whole && (coding != Coding::whole || (flags & kIsNarrow) == 0)))
-    s.corrupt("impossible kind of implied errors");
+    s.corrupt("its kind of implied errors is impossible");
   if ((byte(4) | byte(5) << 8) != static_cast<unsigned>(page.grid.cols) ||
       (byte(6) | byte(7) << 8) != static_cast<unsigned>(page.grid.rows))
-    s.corrupt("wrong size");
+    s.corrupt("its size does not match the extent");
   std::uint64_t base = 0;
   for (std::size_t i = 0; i < 8; ++i) base |= std::uint64_t{byte(8 + i)} << (8 * i);
   s.in.start(bytes.subspan(kHeader));
@@ -446,12 +446,12 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
     page.covers.resize(n);
     if (!get_covers(id, bands, page.grid, page.valid, (flags & kInnerCoversFollow) != 0, page.covers, kCoversFrom,
                     s.in))
-      s.corrupt("impossible triangles around a vertex");
+      s.corrupt("the triangles around a vertex are impossible");
   }
   if (page.drops_heights) {
     page.heights.clear();
     page.errors.assign(n, 0);
-    if (!s.stored.get(page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+    if (!s.stored.get(page, distance, kErrorsFrom, s.in)) s.corrupt("an error is larger than any possible one");
   }
   mark_needed(page, s.needed);
   std::span<const std::uint8_t> coded;
@@ -475,7 +475,7 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
     s.wide_levels->get(s.wide_square, coded, place.present(), s.in);
     s.heights_of(s.wide_square, static_cast<std::int64_t>(base), coding);
   }
-  if ((flags & kHasChildren) != 0 && !get_children(page.children, s.in)) s.corrupt("impossible table of pages below");
+  if ((flags & kHasChildren) != 0 && !get_children(page.children, s.in)) s.corrupt("its child entries are wrong");
 }
 
 const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
@@ -491,9 +491,9 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, const Cod
   s.errors_of.imply(s.implied, s.narrow_square, s.page);
   if (!s.page.drops_heights) {
     s.page.errors.assign(s.page.grid.size(), 0);
-    if (!s.stored.get(s.page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+    if (!s.stored.get(s.page, distance, kErrorsFrom, s.in)) s.corrupt("an error is larger than any possible one");
   }
-  if (!s.in.is_intact()) s.corrupt("bits missing or left over");
+  if (!s.in.is_intact()) s.corrupt("it has too few or too many bits");
   return s.page;
 }
 

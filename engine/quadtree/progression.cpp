@@ -26,10 +26,10 @@ std::size_t root_shift(const RestrictedQuadtree& answer) {
 
 Progression::Progression(const RestrictedQuadtree& answer, std::span<const double> errors) {
   if (answer.origin.border != Border::constrain)
-    refuse("an answer that covers its region from without holds no coarser ones: only a constrained border does");
+    refuse("only an answer with Border::constrain contains coarser answers: ask for one");
   const std::size_t count = answer.vertices.size();
   if (!errors.empty() && errors.size() != count)
-    refuse(fmt::format("{} errors for {} vertices: expected one each", errors.size(), count));
+    refuse(fmt::format("there are {} errors for {} vertices: expected one a vertex", errors.size(), count));
   const std::size_t root = root_shift(answer);
   const GridRect& window = answer.vertices.region();
   VertexMask forced(window);
@@ -94,7 +94,8 @@ RestrictedQuadtree Progression::prefix(const RestrictedQuadtree& answer, std::si
   if (steps < 1 || steps > steps_.size() ||
       more > (steps < steps_.size() ? steps_[steps].end - steps_[steps].begin : 0) ||
       answer.heights.size() != ranks_.size())
-    refuse(fmt::format("{} steps and {} vertices of an answer with {} steps", steps, more, steps_.size()));
+    refuse(fmt::format("cannot have {} steps and {} more vertices of an answer with {} steps", steps, more,
+                       steps_.size()));
   const std::size_t end = steps_[steps - 1].end + more;
   const bool is_all = end == ranks_.size();
   RestrictedQuadtree q;

@@ -72,7 +72,7 @@ class Emitter {
  private:
   [[noreturn]] static void refuse() {
     throw Failure(Cause::corrupt,
-                  "corrupt: vertices without their parents make no mesh: the errors that selected them are damaged");
+                  "corrupt: a vertex lacks its parents, so there is no mesh: the errors that selected it are damaged");
   }
 
   /// Without a branch.
@@ -245,7 +245,7 @@ Mesh triangulated(const RestrictedQuadtree& quadtree, int threads, const std::st
     Emitter emitter(quadtree, mesh, to.data(), to.size());
     const Corners* end = to.data();
     for (std::int64_t row = part.first; row <= part.last; row += kRowsAtOnce) {
-      if (stop.stop_requested()) throw Failure(Cause::cancelled, "cancelled: the triangulation was asked to stop");
+      if (stop.stop_requested()) throw Failure(Cause::cancelled, "cancelled: the caller stopped the triangulation");
       const auto first_row = static_cast<std::int32_t>(row);
       const auto last_row = static_cast<std::int32_t>(std::min<std::int64_t>(part.last, row + kRowsAtOnce - 1));
       end = has_popcnt() ? emit_popcnt(emitter, first_row, last_row) : emit_plain(emitter, first_row, last_row);

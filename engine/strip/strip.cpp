@@ -205,7 +205,7 @@ std::size_t count_swaps(const TriangleStrip& strip) {
 TriangleStrip strip_of(const RestrictedQuadtree& quadtree) {
   const VertexMask& mask = quadtree.vertices;
   if (quadtree.heights.size() != mask.size() || (!quadtree.covers.empty() && quadtree.covers.size() != mask.size())) {
-    throw Failure(Cause::corrupt, "corrupt: an answer with other numbers of heights or covers than of vertices");
+    throw Failure(Cause::corrupt, "corrupt: the answer does not have one height and one cover a vertex");
   }
   TriangleStrip strip;
   strip.region = quadtree.region.cols() > 0 ? quadtree.region : mask.region();
