@@ -1,8 +1,8 @@
 #pragma once
 // What the candidates of a level are, as bytes: one way for each profile. docs/format/rqt-v1.md, sections 7 to 9.
 //
-// Rows of a level are cut into stripes, of about as many rows each. Stripes are coded apart, so that several threads
-// can take them; what is expected of a candidate does not depend on its stripe.
+// Rows of a level are cut into stripes, of about as many rows each. Stripes are coded apart, so that several threads can
+// take them; what is expected of a candidate does not depend on its stripe.
 
 #include <array>
 #include <cstddef>

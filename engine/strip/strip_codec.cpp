@@ -1,10 +1,9 @@
-// Strips as bits.
+// The writer of coded strips.
 //
-// The strip data is one entry a triangle: the height ahead and the type. A run has two entries before it, the heights
-// of its first edge. Entries stand at multiples of one width, so whoever knows the number of an entry can read it, and
-// a sub-strip header says everything else there is to know at every sixteenth triangle. The reader walks over the
-// headers once, to find where each sub-strip's entries are, and then decodes sub-strips in any order; that what they
-// say of each other agrees is looked at in the end.
+// The data has one entry a triangle: height and type of the corner ahead. A run begins with two more entries, the
+// heights of its first edge. All entries have the same width, so an entry is found by its number; at every sixteenth
+// triangle a sub-strip header has everything else. The reader goes over the headers once to find the entries of each
+// sub-strip, decodes sub-strips in any order, and finally checks that they agree.
 
 #include "engine/strip/strip_codec.hpp"
 
@@ -71,7 +70,7 @@ Quantised quantise(std::span<const double> heights, double step) {
   return out;
 }
 
-/// An end of the edge before the next triangle.
+/// One end of the edge before the next triangle.
 struct End {
   std::uint32_t vertex = 0;
   std::uint64_t entry = 0;
@@ -139,7 +138,7 @@ class Encoder {
 
   void add(std::size_t t) {
     const StripStep step = strip_.steps[t];
-    // Such a strip is none of a restricted quadtree; the path is begun anew.
+    // This turn cannot follow in a strip of a restricted quadtree: begin a new run.
     if (in_run_ > 0 && turn_behind(before_, step.type()) != step.turns_right()) begin_run();
     if (in_run_ % kSubStrip == 0) begin_sub_strip(step);
     const std::uint32_t ahead = vertex(strip_.corners[t]);
@@ -153,7 +152,7 @@ class Encoder {
   }
 
   void begin_sub_strip(StripStep step) {
-    // Around one vertex there are at most eight triangles, so no end of the edge is farther back than nine entries.
+    // At most eight triangles surround a vertex, so an end of the edge is at most nine entries back.
     if (entry_ - std::min(left_.entry, right_.entry) > 9) begin_run();
     SubStripHeader header;
     const GridPoint at = point(left_);

@@ -1,4 +1,4 @@
-// The reader of coded strips. It trusts no number before it is held against the bytes, and no sub-strip before the
+// The reader of coded strips. It checks every number against the size of the bytes, and each sub-strip against the
 // others.
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 using namespace strip_layout;
 
-/// At most 57 bits from anywhere; eight bytes from there on must be readable.
+/// Reads at most 57 bits; eight bytes from there must be readable.
 std::uint64_t bits_at(const std::byte* data, std::uint64_t bit, unsigned count) {
   std::uint64_t word;
   std::memcpy(&word, data + bit / 8, sizeof word);
@@ -58,7 +58,7 @@ Head take_head(std::span<const std::byte> bytes) {
     StreamTaker::refuse(48, "the height step is not above 0, or too large");
   if (std::abs(static_cast<double>(head.lowest)) > kMostSteps)
     StreamTaker::refuse(56, "the lowest height is out of range");
-  // Each is no more than bytes can hold, so nothing overflows below.
+  // None is larger than the bytes allow, so nothing overflows below.
   const std::uint64_t most = std::uint64_t{8} * bytes.size();
   const bool possible = head.triangles <= most && head.runs <= head.triangles && head.sub_strips <= head.triangles &&
                         head.patches <= head.sub_strips && head.runs <= head.sub_strips &&
@@ -92,7 +92,7 @@ class Decoder {
     tails_at_ = kHeaderBytes + from.at();
     tails_ = from.take(head_.tail_bytes());
     data_at_ = kHeaderBytes + from.at();
-    data_ = from.take(head_.data_bytes()).data();  // a checksum follows, so eight bytes can be read from any of them
+    data_ = from.take(head_.data_bytes()).data();  // a checksum follows, so eight bytes are readable from each of them
     find_sub_strips();
     require_zero_behind_data();
   }
@@ -111,20 +111,20 @@ class Decoder {
   }
 
  private:
-  /// So many sub-strips are one piece of work.
+  /// Sub-strips in one task.
   static constexpr std::size_t kChunk = 1024;
 
   struct Start {
     std::uint64_t entry = 0, triangle = 0;
-    std::size_t run = 0;  ///< how many have begun before
+    std::size_t run = 0;  ///< runs that began before
     std::size_t patch = 0;
   };
 
-  /// A sub-strip, and where what it says goes.
+  /// A sub-strip and the position of its output.
   struct SubStrip {
     SubStripHeader header;
     GridPoint left, right;
-    std::uint64_t triangle = 0, entry = 0;  ///< of its first triangle
+    std::uint64_t triangle = 0, entry = 0;  ///< number of its first triangle and entry
     std::uint64_t count = 0;
     std::size_t number = 0;
   };
@@ -150,8 +150,8 @@ class Decoder {
     return begins_run(i + 1) ? tail(run) : kSubStrip;
   }
 
-  /// Entries follow each other without gaps, and only the last sub-strip of a run is shorter: one walk over the headers
-  /// finds where each chunk begins.
+  /// Finds the start of each chunk in one pass over the headers: entries have no gaps, and only the last sub-strip of a
+  /// run is shorter.
   void find_sub_strips() {
     Start at;
     for (std::size_t i = 0; i < headers_.size(); ++i) {
@@ -170,7 +170,7 @@ class Decoder {
       StreamTaker::refuse(tails_at_, "the sub-strips have other numbers of runs or triangles than the header says");
   }
 
-  /// One strip has one form.
+  /// Unused bits are 0, so each strip has one form.
   void require_zero_behind_data() const {
     const std::uint64_t used = head_.entries() * head_.entry_bits();
     if (used % 8 != 0 && bits_at(data_, used, static_cast<unsigned>(8 - used % 8)) != 0)
@@ -232,7 +232,7 @@ class Decoder {
     return sub.entry - offset;
   }
 
-  /// Its points, heights and triangles, which nobody else writes.
+  /// Writes its own points, heights and triangles only.
   void decode_sub_strip(const SubStrip& sub, Mesh& mesh) const {
     const unsigned width = head_.entry_bits(), height_bits = width - 2;
     const std::uint64_t height_mask = (std::uint64_t{1} << height_bits) - 1;
@@ -267,7 +267,7 @@ class Decoder {
     }
   }
 
-  /// Whether the sub-strips before it have the edge where its header says.
+  /// Checks that the earlier sub-strips end at the edge of this one's header.
   void compare_edge(const SubStrip& sub, Mesh& mesh) const {
     const bool right_is_older = sub.header.older_is_right;
     const GridPoint a = mesh.points[static_cast<std::size_t>(older(sub))],
@@ -288,7 +288,7 @@ class Decoder {
 }  // namespace
 
 Mesh decode_strip(std::span<const std::byte> bytes, int threads, std::uint64_t limit) {
-  // Vertices are numbered with 32 bits: one a triangle, and two a run, which has a triangle.
+  // Vertex numbers have 32 bits: one vertex a triangle, and two a run, which has at least one triangle.
   return Decoder(bytes, std::min<std::uint64_t>(limit, std::numeric_limits<std::uint32_t>::max() / 3)).decode(threads);
 }
 

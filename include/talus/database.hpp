@@ -120,8 +120,7 @@ class Snapshot {
   ///          negative tolerance or level; `from` not above the tolerance; a neighbour of another state or without a
   ///          shared side; a budget below what the border needs; rounded heights at tolerance 0 or infinity, with a
   ///          quantum too large for the tolerance or beyond 10¹⁵ multiples of it. unsupported: fitted heights, or
-  ///          bounded ones without a quantum, if the database did not keep all samples. cancelled, too_large: see
-  ///          Question
+  ///          bounded ones without a quantum, if the database did not keep all samples. cancelled, too_large
   /// cost     reads the pages with errors above the tolerance, their ancestors, and pages along odd borders; an
   ///          increment skips the border. A field, another border, a level, points or neighbours read pages twice.
   ///          Bounded heights without a quantum: 9 bytes a sample of the region and a few times the time; fitted: 26
