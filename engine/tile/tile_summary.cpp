@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::byte kVersion{2};
 
-/// Runs `field` over every field in the order of the format, writing and reading alike.
+/// Runs `field` over every field in the order of the format, for writing and for reading.
 template <class Summary, class Field>
 void for_each_field(Summary& s, Field&& field) {
   for (auto& b : s.record.blocks) field(b.error);
@@ -94,7 +94,7 @@ TileSummary decode_tile_summary(std::span<const std::byte> bytes) {
     std::memcpy(&v, from, sizeof v);
     from += sizeof v;
     if constexpr (std::is_same_v<decltype(v), double&> || std::is_same_v<decltype(v), float&>) {
-      // Of a tile without data, lowest and highest may be infinite; nothing may be NaN.
+      // The lowest and highest heights of a tile without data may be infinite. NaN is always wrong.
       if (std::isnan(v)) refuse("a number is NaN");
     }
   });
