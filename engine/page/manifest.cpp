@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What keeps later arithmetic inside its types, whatever the bytes say.
+/// Refuses values that would overflow later arithmetic.
 void require_plausible(const Manifest& m) {
   const auto refuse = [](const char* what) { throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", what)); };
   const Description& d = m.description;

@@ -62,7 +62,7 @@ enum Flag : std::uint8_t {
   kAllFlags = 63
 };
 
-/// Which errors are implied, and in what arithmetic.
+/// Which errors are implied, and in which arithmetic.
 enum class Implied : std::uint8_t { none = 0, finest = 1, whole = 2, exact = 3 };
 
 // Contexts of the parts of a page.
@@ -70,7 +70,7 @@ constexpr int kVoidsFrom = kHeightContexts, kCoversFrom = kVoidsFrom + kVoidCont
               kErrorsFrom = kCoversFrom + kCoverContexts, kChildrenFrom = kErrorsFrom + kErrorContexts;
 static_assert(kChildrenFrom + 5 <= kContexts);
 
-/// Numbers that differ from the base by less than this are narrow: 32 bits do for predictions and errors.
+/// Numbers closer to the base than this are narrow: predictions and errors fit in 32 bits.
 constexpr std::int64_t kNarrow = 1 << 24;
 
 std::int64_t minus(std::int64_t a, std::int64_t b) {
@@ -89,7 +89,7 @@ void put(std::vector<std::byte>& out, Int value) {
   for (std::size_t i = 0; i < sizeof(Int); ++i) out.push_back(static_cast<std::byte>(value >> (8 * i) & 0xff));
 }
 
-/// Where the samples of a page's grid stand in its square.
+/// The position of a page's samples in its square.
 struct Placement {
   explicit Placement(const PageGrid& grid)
       : cols(grid.cols),
@@ -118,7 +118,7 @@ struct Placement {
   }
 };
 
-/// What reading and writing share: errors that follow from heights.
+/// Errors that follow from heights, for reading and writing.
 struct ErrorsOfHeights {
   ImpliedErrors<std::int32_t> whole;
   ImpliedErrors<double> exact;
@@ -126,7 +126,7 @@ struct ErrorsOfHeights {
   std::vector<std::int32_t> eighths;
   std::vector<std::uint8_t> valid;
 
-  /// Fills page.eighths or page.distances. `narrow`: the numbers of the square, less the base, if there are any.
+  /// Fills page.eighths or page.distances. `narrow`: the numbers of the square minus the base, if there are any.
   void imply(Implied kind, const std::vector<std::int32_t>& narrow, Page& page) {
     const Placement place(page.grid);
     page.eighths.clear();
@@ -156,7 +156,7 @@ struct ErrorsOfHeights {
   }
 };
 
-/// 1 where the height is stored: data, or a corner of a triangle with data, and not dropped. Empty: everywhere.
+/// 1 where the height is stored: a valid sample, or a corner of a triangle with data, that is not dropped. Empty: all.
 void mark_needed(const Page& page, std::vector<std::uint8_t>& needed) {
   needed.clear();
   if (page.valid.empty() && !page.drops_heights) return;
@@ -213,7 +213,7 @@ bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
 // ---- writing ---------------------------------------------------------------------------------------
 
 struct PageEncoder::Scratch {
-  Page page;  ///< as the reader will see it
+  Page page;  ///< as the reader will have it
   std::vector<std::int64_t> numbers, wide_square;
   std::vector<std::int32_t> narrow_square;
   std::vector<std::uint8_t> needed, coded;
@@ -223,7 +223,7 @@ struct PageEncoder::Scratch {
   StoredErrors stored;
   NumberWriter out;
 
-  /// Heights that the reader does not have yet when it reads errors are left out.
+  /// Copies the page without the heights that the reader does not have yet when it reads errors.
   void begin(const Page& given) {
     page.id = given.id;
     page.bands = given.bands;
@@ -238,13 +238,13 @@ struct PageEncoder::Scratch {
     page.errors.assign(given.grid.size(), 0);
   }
 
-  /// The first kind whose every error is the one that ingest computed.
+  /// The first kind that gives every error exactly as ingest computed it.
   Implied find_implied(const Page& given, Coding coding, bool is_narrow, const CodeDistance& distance) {
     const auto fits = [&](Implied kind) {
       errors_of.imply(kind, narrow_square, page);
       for (std::size_t i = 0; i < given.errors.size(); ++i) {
         if (!page.is_implied(i)) continue;
-        // error_code(metres) == code, without the search.
+        // The same as error_code(metres) == code, without the search.
         const double metres = distance.metres(page.implied_distance(i));
         const ErrorCode code = given.errors[i];
         if (!(metres <= error_of(code)) || (code > 0 && metres <= error_of(static_cast<ErrorCode>(code - 1))))
@@ -266,7 +266,7 @@ struct PageEncoder::Scratch {
     return Implied::none;
   }
 
-  /// Interpolation over a block of 8² rounds nowhere.
+  /// Whether interpolation over a block of 8² never rounds.
   [[nodiscard]] bool is_exact(const Page& given) const {
     BitRange bits;
     for (std::size_t i = 0; i < given.heights.size(); ++i) {
@@ -389,7 +389,7 @@ struct PageDecoder::Scratch {
     for (std::size_t i = 0; i < page.heights.size(); ++i) {
       if (std::isfinite(page.heights[i])) continue;
       if (needed.empty() || needed[i] != 0) corrupt("a height is not a finite number");
-      page.heights[i] = 0;  // a void that nothing needs, between bits of both signs
+      page.heights[i] = 0;  // a void that nothing needs, predicted from bits of both signs
     }
   }
 };
