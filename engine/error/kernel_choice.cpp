@@ -17,7 +17,7 @@ extern const BlockKernel avx2_block_kernel, avx512_block_kernel;
 
 namespace {
 
-/// Those that run here, the fastest last.
+/// The kernels that this processor can run, the fastest last.
 std::vector<const BlockKernel*> kernels_here() {
   std::vector<const BlockKernel*> kernels{&portable_block_kernel};
 #if defined(__x86_64__)
