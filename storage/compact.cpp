@@ -1,4 +1,4 @@
-// A copy without the pages that updates have left unused.
+// Writes a copy of a file without the space that updates left unused.
 
 #include <cerrno>
 #include <memory>

@@ -60,13 +60,13 @@ void PageStore::Environment::open_tables() {
 }
 
 void PageStore::Environment::watch_map(MDB_txn* txn) {
-  // A cursor's key points into a page, whose header begins with its number. LMDB does not say where its map begins.
+  // LMDB does not say where its map begins. A cursor's key lies in a page, and the page's header has its number.
   MDB_dbi main = 0;
   MDB_cursor* raw = nullptr;
   if (mdb_dbi_open(txn, nullptr, 0, &main) != MDB_SUCCESS || mdb_cursor_open(txn, main, &raw) != MDB_SUCCESS) return;
   const std::unique_ptr<MDB_cursor, decltype(&mdb_cursor_close)> cursor(raw, mdb_cursor_close);
   MDB_val key{}, value{};
-  if (mdb_cursor_get(raw, &key, &value, MDB_FIRST) != MDB_SUCCESS) return;  // nothing is in it
+  if (mdb_cursor_get(raw, &key, &value, MDB_FIRST) != MDB_SUCCESS) return;  // the file is empty
   MDB_stat sizes{};
   MDB_envinfo info{};
   check(mdb_env_stat(env.get(), &sizes), "read its size", file);
@@ -89,7 +89,7 @@ void PageStore::Environment::require_all_bytes() const {
 
 namespace {
 
-/// LMDB breaks when one process opens a file twice, so whoever asks for the same file shares it.
+/// LMDB fails if one process opens a file twice, so all users of a file share one environment.
 class OpenFiles {
  public:
   std::shared_ptr<PageStore::Environment> open(const std::filesystem::path& file) {
@@ -113,8 +113,7 @@ class OpenFiles {
  private:
   static std::shared_ptr<PageStore::Environment> make(const std::filesystem::path& file, std::uint64_t bytes) {
     refuse_unsound(file);
-    // A database is made once and renamed into place, never changed: no lock file is needed, and none is left
-    // beside files on read-only media.
+    // A database file never changes after it is renamed into place, so it needs no lock file, also on read-only media.
     auto made = std::make_shared<PageStore::Environment>();
     MDB_env* env = nullptr;
     check(mdb_env_create(&env), "open it", file);

@@ -23,7 +23,7 @@ constexpr std::size_t kPageHeader = 16, kNodeHeader = 8;
 constexpr std::uint64_t kNoPage = ~std::uint64_t{0};
 enum PageFlag : std::uint16_t { kBranch = 1, kLeaf = 2, kOverflow = 4, kMeta = 8 };
 enum NodeFlag : std::uint16_t { kBigData = 1, kSubData = 2 };
-constexpr std::uint64_t kSmallTrees = 4096;  // branch and leaf pages walked at every open: some milliseconds
+constexpr std::uint64_t kSmallTrees = 4096;  // branch and leaf pages to check at every open: some milliseconds
 
 struct Tree {  // MDB_db
   std::uint32_t pad;
@@ -34,7 +34,7 @@ static_assert(sizeof(Tree) == 48);
 struct Meta {
   std::uint32_t magic, version;
   std::uint64_t address, map_size;
-  std::array<Tree, 2> trees;  // of free pages, of tables
+  std::array<Tree, 2> trees;  // free pages, tables
   std::uint64_t last_page, transaction;
 };
 
@@ -84,7 +84,7 @@ class Walk {
  public:
   explicit Walk(const std::filesystem::path& path) : file_(path) {}
 
-  /// The newer header, or a finding.
+  /// The newer of the two headers; empty after a finding.
   std::optional<Meta> headers() {
     std::optional<Meta> newest;
     if (file_.size() < 2 * 4096) return fail("it is shorter than its two headers");
@@ -124,7 +124,7 @@ class Walk {
     }
     if (visited_ < limit_ && findings_.empty()) free_pages();
   }
-  /// Whether more than `limit` branch and leaf pages were met; the walk ends there.
+  /// Stops the walk after this many branch and leaf pages.
   void limit(std::uint64_t pages) { limit_ = pages; }
   [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
 
@@ -163,9 +163,9 @@ class Walk {
       fail(fmt::format("LMDB page {} differs from what its parent says", number));
       return;
     }
+    // LMDB expects at least one node in a leaf and two in a branch; an empty tree has no root.
     if (lower < kPageHeader || lower > upper || upper > page_bytes_ || (lower & 1) != 0 ||
-        lower < kPageHeader +
-                    (leaf ? 2 : 4)) {  // an empty tree has no root: LMDB counts on a node here, on two in branches
+        lower < kPageHeader + (leaf ? 2 : 4)) {
       fail(fmt::format("LMDB page {}: its fill is impossible", number));
       return;
     }
@@ -239,7 +239,7 @@ class Walk {
     }
   }
 
-  /// False if one of these pages belongs to something else, too.
+  /// Marks pages as used; false if one was used before.
   bool use(std::uint64_t first, std::uint64_t count) {
     for (std::uint64_t page = first; page < first + count; ++page) {
       if (used_[page]) {
@@ -251,7 +251,7 @@ class Walk {
     return true;
   }
 
-  /// A list of free pages: how many, then their numbers.
+  /// Reads a list of free pages: the count, then the numbers.
   void note_free(std::uint64_t number, std::span<const std::byte> list) {
     const std::uint64_t count = list.size() < 8 ? 0 : load<std::uint64_t>(list.data());
     if (list.size() < 8 || count > list.size() / 8 - 1) {
@@ -261,7 +261,7 @@ class Walk {
     for (std::uint64_t i = 1; i <= count; ++i) free_.push_back(load<std::uint64_t>(&list[8 * i]));
   }
 
-  /// A writer puts new pages where free ones are: none of these may be in use.
+  /// Free pages must not be in use, because a writer overwrites them.
   void free_pages() {
     for (const std::uint64_t page : free_) {
       if (page < 2 || page >= pages_) {
@@ -277,7 +277,7 @@ class Walk {
   std::uint64_t visited_ = 0;  // branch and leaf pages
   std::vector<bool> used_;     // pages of the file
   std::vector<std::uint64_t> free_;
-  bool lists_free_ = false;  // the tree that is walked
+  bool lists_free_ = false;  // whether the present tree lists free pages
   std::vector<std::string> findings_;
 };
 

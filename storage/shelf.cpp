@@ -25,7 +25,7 @@ std::uint32_t get_little_endian(const std::byte* from) {
   return value;
 }
 
-/// A directory's checksum must never pass for a page's: no page stands at this position.
+/// A key that no page has, so that a directory's checksum never fits a page.
 PageKey directory_key(int table, std::uint64_t shelf) { return {table, ~shelf}; }
 
 Failure corrupt(PageKey key, const char* what) {
