@@ -24,7 +24,7 @@ struct AccuracyOptions {
   /// then nothing is measured.
   SampleReader truth;
   int threads = 0;  ///< threads of an answer; 0: one a core, see OpenOptions
-  /// Called now and then: share of the work that is done, 0 to 1, and its name. May throw to stop the work.
+  /// Called now and then with the share of the work that is done (0 to 1) and its stage. May throw to stop the work.
   std::function<void(double fraction, const char* stage)> progress;
 };
 
@@ -83,8 +83,8 @@ struct AccuracyReport {
   double open_seconds = 0;                ///< time to open a cold file: median
   std::optional<double> share_in_memory;  ///< part of the file in memory after the drop, 0 to 1; empty: not known
   bool has_truth = false;
-  /// Falling tolerances, among them the advised one. By default 1, 2, 5, 10 … from the first that needs vertices inside
-  /// the border down to where nearly all samples are vertices.
+  /// Falling tolerances, with the advised one. By default 1, 2, 5, 10 …, from the first that needs vertices inside the
+  /// border down to where a finer one hardly adds any.
   std::vector<AccuracyPoint> points;
   AccuracyAdvice advice;
   Metres map_tolerance;

@@ -266,7 +266,7 @@ struct VerifyOptions {
   SampleReader truth = {};
   /// Needs `truth`: measures the true error of the whole answer at this tolerance, over every sample.
   std::optional<Metres> tolerance = {};
-  /// Called now and then: share of the work that is done, 0 to 1, and its name. May throw to stop the work.
+  /// Called now and then with the share of the work that is done (0 to 1) and its stage. May throw to stop the work.
   std::function<void(double fraction, const char* stage)> progress = {};
 };
 

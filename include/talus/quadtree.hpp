@@ -120,7 +120,7 @@ struct RestrictedQuadtree {
   Origin origin;
   /// The largest error in metres of the vertices of one spacing, without those that the border needs; by log2 of the
   /// spacing, up to the root square's side (root corners included). 0: no such vertex. If the finest levels are left
-  /// out, the bound is the larger of theirs and `bound`. Empty: not known.
+  /// out, the bound is the largest of theirs and `bound`. Empty: not known.
   std::vector<double> level_errors;
 };
 
