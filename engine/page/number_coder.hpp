@@ -41,7 +41,7 @@ class NumberWriter {
 };
 
 /// Reads the numbers. With damaged bytes every call still returns a number and reads nothing out of bounds; is_intact()
-/// tells at the end.
+/// says at the end whether they were damaged.
 class NumberReader {
  public:
   /// bytes  everything that finish() wrote; copied

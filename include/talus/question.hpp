@@ -142,8 +142,8 @@ struct Question {
   /// Threads; 0: OpenOptions::threads. Used from about a million samples on, without field, border, points, neighbours.
   int threads = 0;
   std::stop_token stop = {};  ///< stops within a page or some thousand triangles, with Cause::cancelled
-  /// Called now and then by the asking thread, with the share of the work that is done (0 to 1) and its stage. May throw
-  /// to stop the work; ask() then throws the same.
+  /// Called now and then by the asking thread, with the share of the work that is done (0 to 1) and its stage. May
+  /// throw to stop the work; ask() then throws the same.
   std::function<void(double fraction, const char* stage)> progress = {};
   Limits limits = {};
 };
