@@ -1,5 +1,5 @@
 #pragma once
-// XXH3 over a page's key and content. LMDB notices no damage; this does.
+// Checksums (XXH3) of pages and files. LMDB does not notice damage by itself.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace talus {
 
-/// What stands before a page's content: the checksum, big endian, and the generation, little endian.
+/// Before a page's content stand its checksum (big endian) and its generation (little endian).
 inline constexpr std::size_t kChecksumBytes = 8, kPagePrefixBytes = kChecksumBytes + 4;
 
-/// Over table, position, generation and content, so that a page in another's place is damage, too.
+/// Includes table, position and generation, so that a page in the wrong place is damage too.
 [[nodiscard]] std::uint64_t page_checksum(PageKey key, std::uint32_t generation, std::span<const std::byte> content);
 
-/// XXH3 over the bytes of a file. `tell` is called every few megabytes and may throw. Fails with io.
+/// XXH3 of a file's bytes. Calls `tell` every few megabytes; it may throw. fails  io
 [[nodiscard]] std::uint64_t checksum_of_file(const std::filesystem::path& file, const std::function<void()>& tell);
-/// XXH3 over numbers, each as 8 bytes, big endian.
+/// XXH3 of numbers, each as 8 bytes, big endian.
 [[nodiscard]] std::uint64_t checksum_of(std::span<const std::uint64_t> numbers);
 
 }  // namespace talus

@@ -17,7 +17,7 @@ namespace talus {
 
 void check(int code, const char* doing, const std::filesystem::path& file) {
   if (code == MDB_SUCCESS) return;
-  const std::string sentence = fmt::format("{}: {}: {}", file.string(), doing, mdb_strerror(code));
+  const std::string sentence = fmt::format("{}: cannot {}: {}", file.string(), doing, mdb_strerror(code));
   switch (code) {
     case ENOSPC:
     case EDQUOT:
@@ -45,32 +45,32 @@ std::string table_name(int table) {
 
 void PageStore::Environment::open_tables() {
   MDB_txn* raw = nullptr;
-  check(mdb_txn_begin(env.get(), nullptr, MDB_RDONLY, &raw), "begin", file);
+  check(mdb_txn_begin(env.get(), nullptr, MDB_RDONLY, &raw), "read it", file);
   TxnPtr txn(raw);
   for (std::size_t i = 0; i < kMaxTables; ++i) {
     if (tables[i]) continue;
     MDB_dbi table = 0;
     const int code = mdb_dbi_open(raw, table_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
     if (code == MDB_NOTFOUND) continue;
-    check(code, "open table", file);
+    check(code, "read a table", file);
     tables[i] = table;
   }
   watch_map(raw);
-  check(mdb_txn_commit(txn.release()), "keep tables", file);
+  check(mdb_txn_commit(txn.release()), "read its tables", file);
 }
 
 void PageStore::Environment::watch_map(MDB_txn* txn) {
-  // A cursor's key points into a page, whose header begins with its number. LMDB does not say where its map begins.
+  // LMDB does not say where its map begins. A cursor's key lies in a page, and the page's header has its number.
   MDB_dbi main = 0;
   MDB_cursor* raw = nullptr;
   if (mdb_dbi_open(txn, nullptr, 0, &main) != MDB_SUCCESS || mdb_cursor_open(txn, main, &raw) != MDB_SUCCESS) return;
   const std::unique_ptr<MDB_cursor, decltype(&mdb_cursor_close)> cursor(raw, mdb_cursor_close);
   MDB_val key{}, value{};
-  if (mdb_cursor_get(raw, &key, &value, MDB_FIRST) != MDB_SUCCESS) return;  // nothing is in it
+  if (mdb_cursor_get(raw, &key, &value, MDB_FIRST) != MDB_SUCCESS) return;  // the file is empty
   MDB_stat sizes{};
   MDB_envinfo info{};
-  check(mdb_env_stat(env.get(), &sizes), "look at the map", file);
-  check(mdb_env_info(env.get(), &info), "look at the map", file);
+  check(mdb_env_stat(env.get(), &sizes), "read its size", file);
+  check(mdb_env_info(env.get(), &info), "read its size", file);
   const auto at = reinterpret_cast<std::uintptr_t>(key.mv_data);
   const auto* page = static_cast<const std::byte*>(key.mv_data) - at % sizes.ms_psize;
   std::uint64_t number = 0;
@@ -82,14 +82,14 @@ void PageStore::Environment::require_all_bytes() const {
   if (!guard.has_lost_bytes()) return;
   throw Failure(
       Cause::io,
-      fmt::format("{}: became shorter while it was read, or its disk fails: restore the file, and open it again",
+      fmt::format("{}: the file was cut short while it was open, or its disk fails: restore it, and open it again",
                   file.string()),
       file);
 }
 
 namespace {
 
-/// LMDB breaks when one process opens a file twice, so whoever asks for the same file shares it.
+/// LMDB fails if one process opens a file twice, so all users of a file share one environment.
 class OpenFiles {
  public:
   std::shared_ptr<PageStore::Environment> open(const std::filesystem::path& file) {
@@ -100,7 +100,8 @@ class OpenFiles {
                     fmt::format("{}: {}", file.string(), std::strerror(errno)));
     }
     if (!S_ISREG(status.st_mode))
-      throw Failure(Cause::corrupt, fmt::format("{}: not a database: not a regular file", file.string()));
+      throw Failure(Cause::corrupt,
+                    fmt::format("{}: it is not a regular file, so it is not a database", file.string()));
     const auto key = std::pair{status.st_dev, status.st_ino};
     if (auto shared = open_[key].lock()) return shared;
     auto made = make(file, static_cast<std::uint64_t>(status.st_size));
@@ -112,15 +113,14 @@ class OpenFiles {
  private:
   static std::shared_ptr<PageStore::Environment> make(const std::filesystem::path& file, std::uint64_t bytes) {
     refuse_unsound(file);
-    // A database is made once and renamed into place, never changed: no lock file is needed, and none is left
-    // beside files on read-only media.
+    // A database file never changes after it is renamed into place, so it needs no lock file, also on read-only media.
     auto made = std::make_shared<PageStore::Environment>();
     MDB_env* env = nullptr;
-    check(mdb_env_create(&env), "create environment", file);
+    check(mdb_env_create(&env), "open it", file);
     made->env.reset(env);
-    check(mdb_env_set_maxdbs(env, kMaxTables), "set tables", file);
+    check(mdb_env_set_maxdbs(env, kMaxTables), "open it", file);
     check(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_RDONLY | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0),
-          "open", file);
+          "open it", file);
     made->file = file;
     made->file_bytes = bytes;
     made->open_tables();

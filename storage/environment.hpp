@@ -1,5 +1,5 @@
 #pragma once
-// What the files of this folder share of LMDB.
+// The LMDB environment that the files of this folder share.
 
 #include <array>
 #include <cstdint>
@@ -17,7 +17,7 @@ struct MDB_txn;
 
 namespace talus {
 
-/// Throws what an LMDB return code means; MDB_SUCCESS passes.
+/// Throws a Failure for an LMDB return code, "FILE: cannot DOING: …". MDB_SUCCESS passes.
 void check(int code, const char* doing, const std::filesystem::path& file);
 
 struct CloseEnv {
@@ -30,26 +30,26 @@ struct AbortTxn {
 };
 using TxnPtr = std::unique_ptr<MDB_txn, AbortTxn>;
 
-inline constexpr unsigned kMaxTables = 34;  ///< the header's, 32 bands', the records'
+inline constexpr unsigned kMaxTables = 34;  ///< header, 32 bands, records
 
 /// "header", "band/07" or "records".
 [[nodiscard]] std::string table_name(int table);
 
 struct PageStore::Environment {
   EnvPtr env;
-  MapGuard guard;  ///< ends before the map does: its range is free for others then
-  /// LMDB's handles of the tables, the header's first. Opened once: two transactions that open tables at a time
-  /// share a slot and spoil each other.
+  MapGuard guard;  ///< destroyed before the map, whose addresses others may use afterwards
+  /// LMDB's handles of the tables, the header's first. All are opened at once, because two transactions that open
+  /// tables at the same time get the same slot.
   std::array<std::optional<unsigned>, kMaxTables> tables{};
   std::filesystem::path file;
   std::uint64_t file_bytes = 0;
-  std::pair<std::uint64_t, std::uint64_t> place;  ///< device and inode: the file itself, whatever its name
+  std::pair<std::uint64_t, std::uint64_t> place;  ///< device and inode
 
-  /// Opens those tables that are there and not open yet.
+  /// Opens the tables that exist and are not open yet.
   void open_tables();
-  /// Tells the guard where LMDB's map lies, which follows from any page of it.
+  /// Finds LMDB's map by any of its pages and has the guard watch it.
   void watch_map(MDB_txn* txn);
-  /// fails  io: the file has become shorter, or cannot be read any more; what was read since may be zeros
+  /// fails  io: the file became shorter or cannot be read; bytes read since then may be zeros
   void require_all_bytes() const;
 };
 

@@ -23,7 +23,7 @@ constexpr std::size_t kPageHeader = 16, kNodeHeader = 8;
 constexpr std::uint64_t kNoPage = ~std::uint64_t{0};
 enum PageFlag : std::uint16_t { kBranch = 1, kLeaf = 2, kOverflow = 4, kMeta = 8 };
 enum NodeFlag : std::uint16_t { kBigData = 1, kSubData = 2 };
-constexpr std::uint64_t kSmallTrees = 4096;  // branch and leaf pages walked at every open: some milliseconds
+constexpr std::uint64_t kSmallTrees = 4096;  // branch and leaf pages to check at every open: some milliseconds
 
 struct Tree {  // MDB_db
   std::uint32_t pad;
@@ -34,7 +34,7 @@ static_assert(sizeof(Tree) == 48);
 struct Meta {
   std::uint32_t magic, version;
   std::uint64_t address, map_size;
-  std::array<Tree, 2> trees;  // of free pages, of tables
+  std::array<Tree, 2> trees;  // free pages, tables
   std::uint64_t last_page, transaction;
 };
 
@@ -84,18 +84,18 @@ class Walk {
  public:
   explicit Walk(const std::filesystem::path& path) : file_(path) {}
 
-  /// The newer header, or a finding.
+  /// The newer of the two headers; empty after a finding.
   std::optional<Meta> headers() {
     std::optional<Meta> newest;
-    if (file_.size() < 2 * 4096) return fail("shorter than two headers");
+    if (file_.size() < 2 * 4096) return fail("it is shorter than its two headers");
     Meta first{};
     file_.read(kPageHeader, &first, sizeof first);
     page_bytes_ = first.trees[0].pad;
-    if (first.magic != kMagic) return fail("no LMDB header");
-    if (first.version != kDataVersion) return fail("another LMDB version");
+    if (first.magic != kMagic) return fail("it has no LMDB header");
+    if (first.version != kDataVersion) return fail("its LMDB version is unknown");
     if (page_bytes_ < 512 || page_bytes_ > 65536 || (page_bytes_ & (page_bytes_ - 1)) != 0)
-      return fail("impossible page size");
-    if (file_.size() < 2 * page_bytes_) return fail("shorter than two headers");
+      return fail("its page size is impossible");
+    if (file_.size() < 2 * page_bytes_) return fail("it is shorter than its two headers");
     for (const std::uint64_t number : {0u, 1u}) {
       std::array<std::byte, kPageHeader + sizeof(Meta)> bytes{};
       file_.read(number * page_bytes_, bytes.data(), bytes.size());
@@ -109,10 +109,10 @@ class Walk {
     pages_ = newest->last_page + 1;
     if (newest->last_page >= (std::uint64_t{1} << 47) / page_bytes_ || pages_ * page_bytes_ > file_.size()) {
       return fail(
-          fmt::format("{} bytes long where {} pages of {} are needed: cut short", file_.size(), pages_, page_bytes_));
+          fmt::format("it is cut short: it has {} bytes and needs {} pages of {}", file_.size(), pages_, page_bytes_));
     }
     if (newest->map_size < pages_ * page_bytes_ || newest->map_size > std::uint64_t{1} << 47)
-      return fail("impossible map size");
+      return fail("its map size is impossible");
     return newest;
   }
 
@@ -124,7 +124,7 @@ class Walk {
     }
     if (visited_ < limit_ && findings_.empty()) free_pages();
   }
-  /// Whether more than `limit` branch and leaf pages were met; the walk ends there.
+  /// Stops the walk after this many branch and leaf pages.
   void limit(std::uint64_t pages) { limit_ = pages; }
   [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
 
@@ -136,11 +136,11 @@ class Walk {
 
   void walk(const Tree& tree, bool holds_tables) {
     if (tree.root == kNoPage) {
-      if (tree.entries != 0) fail("a tree with entries but no root");
+      if (tree.entries != 0) fail("a tree has entries but no root");
       return;
     }
     if (tree.depth == 0 || tree.depth > 32) {
-      fail("a tree of impossible depth");
+      fail("the depth of a tree is impossible");
       return;
     }
     node_page(tree.root, tree.depth, holds_tables);
@@ -149,7 +149,7 @@ class Walk {
   void node_page(std::uint64_t number, int depth, bool holds_tables) {
     if (visited_ >= limit_ || findings_.size() >= 20) return;
     if (number < 2 || number >= pages_) {
-      fail(fmt::format("a pointer to page {} of {}", number, pages_));
+      fail(fmt::format("a pointer leads to LMDB page {} of {}", number, pages_));
       return;
     }
     ++visited_;
@@ -160,25 +160,25 @@ class Walk {
                upper = load<std::uint16_t>(&page[14]);
     const bool leaf = depth == 1;
     if (load<std::uint64_t>(page.data()) != number || flags != (leaf ? kLeaf : kBranch)) {
-      fail(fmt::format("page {} is not what its parent says", number));
+      fail(fmt::format("LMDB page {} differs from what its parent says", number));
       return;
     }
+    // LMDB expects at least one node in a leaf and two in a branch; an empty tree has no root.
     if (lower < kPageHeader || lower > upper || upper > page_bytes_ || (lower & 1) != 0 ||
-        lower < kPageHeader +
-                    (leaf ? 2 : 4)) {  // an empty tree has no root: LMDB counts on a node here, on two in branches
-      fail(fmt::format("page {}: impossible fill", number));
+        lower < kPageHeader + (leaf ? 2 : 4)) {
+      fail(fmt::format("LMDB page {}: its fill is impossible", number));
       return;
     }
     for (std::size_t slot = kPageHeader; slot < lower; slot += 2) {
       const std::size_t at = load<std::uint16_t>(&page[slot]);
       if (at < upper || at + kNodeHeader > page_bytes_ || (at & 1) != 0) {
-        fail(fmt::format("page {}: a node outside", number));
+        fail(fmt::format("LMDB page {}: a node lies outside", number));
         return;
       }
       const auto low = load<std::uint16_t>(&page[at]), high = load<std::uint16_t>(&page[at + 2]),
                  node_flags = load<std::uint16_t>(&page[at + 4]), key_bytes = load<std::uint16_t>(&page[at + 6]);
       if (at + kNodeHeader + key_bytes > page_bytes_) {
-        fail(fmt::format("page {}: a key longer than the page", number));
+        fail(fmt::format("LMDB page {}: a key is longer than the page", number));
         return;
       }
       if (!leaf) {
@@ -192,25 +192,25 @@ class Walk {
   void leaf_node(std::uint64_t number, const std::vector<std::byte>& page, std::size_t at, std::uint64_t bytes,
                  std::uint16_t flags, bool holds_tables) {
     if (flags != 0 && flags != kBigData && flags != kSubData) {
-      fail(fmt::format("page {}: a node of impossible kind", number));
+      fail(fmt::format("LMDB page {}: the kind of a node is unknown", number));
       return;
     }
     if (flags == kBigData) {
       if (at + 8 > page_bytes_) {
-        fail(fmt::format("page {}: a node outside", number));
+        fail(fmt::format("LMDB page {}: a node lies outside", number));
         return;
       }
       const auto first = load<std::uint64_t>(&page[at]);
       const std::uint64_t count = (bytes + kPageHeader + page_bytes_ - 1) / page_bytes_;
       if (first < 2 || first >= pages_ || count > pages_ - first) {
-        fail(fmt::format("page {}: a value outside the file", number));
+        fail(fmt::format("LMDB page {}: a value lies outside the file", number));
         return;
       }
       std::array<std::byte, kPageHeader> header{};
       file_.read(first * page_bytes_, header.data(), header.size());
       if (load<std::uint64_t>(header.data()) != first || load<std::uint16_t>(&header[10]) != kOverflow ||
           load<std::uint32_t>(&header[12]) != count) {
-        fail(fmt::format("page {}: not the value its leaf says", first));
+        fail(fmt::format("LMDB page {} differs from what its leaf says", first));
         return;
       }
       if (!use(first, count) || !lists_free_) return;
@@ -220,17 +220,17 @@ class Walk {
       return;
     }
     if (at + bytes > page_bytes_) {
-      fail(fmt::format("page {}: a value longer than the page", number));
+      fail(fmt::format("LMDB page {}: a value is longer than the page", number));
       return;
     }
     if (flags == kSubData) {
       if (!holds_tables || bytes != sizeof(Tree)) {
-        fail(fmt::format("page {}: a table where none belongs", number));
+        fail(fmt::format("LMDB page {}: a table is in the wrong place", number));
         return;
       }
       const auto tree = load<Tree>(&page[at]);
       if (tree.flags != 0) {
-        fail(fmt::format("page {}: a table of another kind", number));
+        fail(fmt::format("LMDB page {}: a table has the wrong kind", number));
         return;
       }
       walk(tree, false);
@@ -239,11 +239,11 @@ class Walk {
     }
   }
 
-  /// False if one of these pages belongs to something else, too.
+  /// Marks pages as used; false if one was used before.
   bool use(std::uint64_t first, std::uint64_t count) {
     for (std::uint64_t page = first; page < first + count; ++page) {
       if (used_[page]) {
-        fail(fmt::format("page {} is in the trees twice", page));
+        fail(fmt::format("LMDB page {} is used twice", page));
         return false;
       }
       used_[page] = true;
@@ -251,21 +251,21 @@ class Walk {
     return true;
   }
 
-  /// A list of free pages: how many, then their numbers.
+  /// Reads a list of free pages: the count, then the numbers.
   void note_free(std::uint64_t number, std::span<const std::byte> list) {
     const std::uint64_t count = list.size() < 8 ? 0 : load<std::uint64_t>(list.data());
     if (list.size() < 8 || count > list.size() / 8 - 1) {
-      fail(fmt::format("page {}: an impossible list of free pages", number));
+      fail(fmt::format("LMDB page {}: its list of free pages is wrong", number));
       return;
     }
     for (std::uint64_t i = 1; i <= count; ++i) free_.push_back(load<std::uint64_t>(&list[8 * i]));
   }
 
-  /// A writer puts new pages where free ones are: none of these may be in use.
+  /// Free pages must not be in use, because a writer overwrites them.
   void free_pages() {
     for (const std::uint64_t page : free_) {
       if (page < 2 || page >= pages_) {
-        fail(fmt::format("a free page {} of {}", page, pages_));
+        fail(fmt::format("a free LMDB page has number {} of {}", page, pages_));
       } else if (!use(page, 1)) {
         return;
       }
@@ -277,7 +277,7 @@ class Walk {
   std::uint64_t visited_ = 0;  // branch and leaf pages
   std::vector<bool> used_;     // pages of the file
   std::vector<std::uint64_t> free_;
-  bool lists_free_ = false;  // the tree that is walked
+  bool lists_free_ = false;  // whether the present tree lists free pages
   std::vector<std::string> findings_;
 };
 
@@ -290,8 +290,8 @@ void refuse_unsound(const std::filesystem::path& file) {
     walk.trees(*meta);
   }
   if (!walk.findings().empty()) {
-    throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: {}: not a database or damaged: {}", file.string(), walk.findings().front()));
+    throw Failure(Cause::corrupt, fmt::format("corrupt: {}: it is not a database, or it is damaged: {}", file.string(),
+                                              walk.findings().front()));
   }
 }
 

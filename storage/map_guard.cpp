@@ -9,11 +9,11 @@
 
 namespace talus {
 
-/// Nodes of a list that only grows, so that a signal handler can walk it at any time. A node without a range is free.
+/// A node of a list that only grows, so a signal handler can read it at any time. A node without a range is free.
 struct MapGuard::Watched {
   std::atomic<std::uintptr_t> begin = 0, end = 0;
   std::atomic<bool> has_lost_bytes = false;
-  bool is_free = false;  ///< under the mutex
+  bool is_free = false;  ///< guarded by the mutex
   Watched* next = nullptr;
 };
 
@@ -27,7 +27,7 @@ std::uintptr_t page_bytes = 4096;
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
               "a signal handler cannot wait for a lock");
 
-/// From the page of an address to the end of its map: zeros. mmap is a system call, and as such safe here on Linux.
+/// Maps zeros from an address's page to the end of its map. mmap is a system call, which is safe here on Linux.
 bool put_zeros(std::uintptr_t address) {
   for (MapGuard::Watched* w = first_watched.load(std::memory_order_acquire); w != nullptr; w = w->next) {
     const std::uintptr_t begin = w->begin.load(std::memory_order_acquire), end = w->end.load(std::memory_order_acquire);
@@ -45,9 +45,9 @@ void on_bus_error(int signal, siginfo_t* info, void* context) {
   const bool is_ours = info->si_code == BUS_ADRERR && put_zeros(reinterpret_cast<std::uintptr_t>(info->si_addr));
   errno = error;
   if (is_ours) return;
-  const bool is_sent = info->si_code <= 0;  // by kill or raise: no instruction will fail again
+  const bool is_sent = info->si_code <= 0;  // by kill or raise: the instruction will not fail again
   const auto before = handler_before.sa_handler;
-  if (before != SIG_DFL && before != SIG_IGN) {  // first: flags say nothing of these two
+  if (before != SIG_DFL && before != SIG_IGN) {  // test these first: flags mean nothing for them
     return (handler_before.sa_flags & SA_SIGINFO) != 0 ? handler_before.sa_sigaction(signal, info, context)
                                                        : before(signal);
   }
@@ -63,7 +63,7 @@ void install_handler() {
   struct sigaction ours {};
   ours.sa_sigaction = on_bus_error;
   ours.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_RESTART;
-  ::sigaction(SIGBUS, nullptr, &handler_before);  // before ours can be called
+  ::sigaction(SIGBUS, nullptr, &handler_before);  // before our handler can run
   ::sigaction(SIGBUS, &ours, nullptr);
 }
 
@@ -79,7 +79,7 @@ MapGuard::MapGuard() {
     watched_->has_lost_bytes = false;
     return;
   }
-  watched_ = new Watched;  // never deleted: a handler may be looking at it
+  watched_ = new Watched;  // never deleted: a handler may be reading it
   watched_->next = first_watched.load();
   first_watched.store(watched_, std::memory_order_release);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A file that becomes shorter while it is mapped, or whose disk fails, must not end the program.
+// Keeps the program alive when a mapped file becomes shorter or its disk fails.
 
 #include <atomic>
 #include <cstddef>
@@ -7,13 +7,11 @@
 
 namespace talus {
 
-/// Watches the map of one file for as long as it lives. Where the system has no bytes for an address in it, it sends
-/// SIGBUS to the thread that reads. The handler puts zeros there and remembers that: the reader goes on, and asks
-/// afterwards.
+/// Watches the map of one file while it lives. If the system cannot read an address in it, it sends SIGBUS to the
+/// thread; our handler maps zeros there and remembers it. The reader continues and asks has_lost_bytes() afterwards.
 ///
-/// The first one installs the handler for the process. It hands every other SIGBUS on to the handler that was there
-/// before. A program that installs its own later must hand on what is not its own in the same way.
-/// docs/decisions/0008-shrinking-files.md
+/// The first guard installs the handler, which passes every other SIGBUS to the earlier handler. A program that
+/// installs its own later must do the same. docs/decisions/0008-shrinking-files.md
 class MapGuard {
  public:
   MapGuard();
@@ -21,9 +19,9 @@ class MapGuard {
   MapGuard(const MapGuard&) = delete;
   MapGuard& operator=(const MapGuard&) = delete;
 
-  /// Where the map lies now.
+  /// Sets the range of the map.
   void watch(const void* begin, std::size_t bytes);
-  /// Bytes that were asked for could not be had. What was read since then may be zeros. One load from memory.
+  /// Whether bytes could not be read. Everything read since then may be zeros. Costs one load from memory.
   [[nodiscard]] bool has_lost_bytes() const;
 
   struct Watched;

@@ -1,5 +1,5 @@
 #pragma once
-// Keyed pages in one LMDB file. What a page means is nobody's business here.
+// Pages under keys in one LMDB file. It does not know what a page contains.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,41 +15,40 @@ namespace talus {
 
 class Failure;
 
-/// Where a page lies: a named table and a position in it. Keys are big-endian, so that the order of bytes
-/// is the order of positions.
+/// The key of a page: a table and a position in it. Keys are big endian, so they sort by position.
 struct PageKey {
-  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: what the levels above a tile must know
+  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: the tile records
   std::uint64_t position = 0;
   friend constexpr auto operator<=>(const PageKey&, const PageKey&) = default;
 };
 inline constexpr int kHeaderTable = -1, kRecordTable = 32;
 
-/// LMDB gives every value whole pages of the file. The many small pages of table 0 share values, "shelves": those
-/// of 64 positions that follow a multiple of 64. A page is still read, and checked, alone.
+/// In LMDB each large value takes whole pages of the file. The many small pages of table 0 share values: a shelf holds
+/// the 64 positions from a multiple of 64 on. Each page is still read and checked alone.
 inline constexpr int kShelfShift = 6;
 inline constexpr std::size_t kShelfPages = std::size_t{1} << kShelfShift;
 [[nodiscard]] constexpr bool is_shelved(int table) { return table == 0; }
 
-/// The bytes of a page in the file; they live as long as the transaction, at any alignment.
+/// A page in the mapped file, at any alignment; valid as long as the transaction.
 struct StoredPage {
   std::span<const std::byte> content;
-  std::uint32_t generation = 0;  ///< which update of the database wrote it
+  std::uint32_t generation = 0;  ///< the update that wrote it
 };
 
 struct TableSummary {
-  std::uint64_t pages = 0, bytes = 0;  ///< bytes of the pages themselves
+  std::uint64_t pages = 0, bytes = 0;  ///< bytes of the stored values
 };
 
-/// An open file. One LMDB environment per file and process: opening a file twice gives the same one.
+/// An open file. A process has one LMDB environment a file: opening it again returns the same one.
 class PageStore {
  public:
-  /// For reading. The file's outer structure is checked first, so that LMDB never follows a pointer out
-  /// of it: sizes always, its trees while they are small (see check_structure).
+  /// Opens a file for reading. It checks the sizes, and the trees if they are small (see check_structure), so that LMDB
+  /// never follows a pointer out of the file.
   /// fails  not_found, corrupt, io
   [[nodiscard]] static PageStore open(const std::filesystem::path& file);
 
   [[nodiscard]] const std::filesystem::path& file() const;
-  /// Whether a name leads to the file that is open.
+  /// Whether a name leads to the open file.
   [[nodiscard]] bool is_file(const std::filesystem::path& name) const;
   [[nodiscard]] std::uint64_t file_bytes() const;
 
@@ -63,7 +62,7 @@ class PageStore {
   std::shared_ptr<Environment> environment_;
 };
 
-/// One consistent view. May move between threads; find() may be called from several at once.
+/// One consistent view. It may move between threads, and several may read at once.
 class ReadTxn {
  public:
   explicit ReadTxn(const PageStore& store);
@@ -71,26 +70,25 @@ class ReadTxn {
   ReadTxn(ReadTxn&&) noexcept;
   ReadTxn& operator=(ReadTxn&&) noexcept;
 
-  /// A page, checked against its checksum. Empty if there is none.
-  /// fails  corrupt: checksum; io: the file has become shorter since it was opened, or its disk fails
+  /// A page whose checksum is right; empty: there is none.
+  /// fails  corrupt: its checksum is wrong; io: the file became shorter, or its disk fails
   [[nodiscard]] std::optional<StoredPage> find(PageKey key) const;
 
-  /// visit(position) for each page of a table in order.
+  /// visit(position) for each page of a table, in order.
   ///
-  /// damaged  if given, told of a shelf that cannot be read, by the position of its first page, and the walk goes on
-  /// fails    corrupt: a damaged tree, or shelf without `damaged`
+  /// damaged  called for a damaged shelf with the position of its first page, and the walk continues; empty: it fails
+  /// fails    corrupt: a damaged tree, or a damaged shelf without `damaged`
   void for_each(int table, const std::function<void(std::uint64_t position)>& visit,
                 const std::function<void(std::uint64_t first, const Failure&)>& damaged = {}) const;
   /// Whether a table has a page at a position. Reads no content.
-  /// fails  corrupt: a shelf that is damaged
+  /// fails  corrupt: a damaged shelf
   [[nodiscard]] bool has(PageKey key) const;
-  /// Takes a page, or the shelf it stands on, out of this process's memory: what was read stays counted as the
-  /// process's otherwise. Bytes found there before are read anew when they are looked at again.
+  /// Removes a page, or its whole shelf, from this process's memory; otherwise what was read counts as used. Spans to
+  /// it stay valid and are read again when needed.
   void forget(PageKey key) const;
   [[nodiscard]] TableSummary summary(int table) const;
-  /// To be asked when what was made of a page's bytes is to be used. A file that has become shorter since find() has
-  /// zeros there; they are no failure of find().
-  /// fails  io: so it is
+  /// Call it before using the result of reading pages: if the file became shorter after find(), its bytes are zeros.
+  /// fails  io: bytes were lost
   void require_all_bytes() const;
   [[nodiscard]] std::uint64_t file_bytes() const;
 
@@ -99,30 +97,28 @@ class ReadTxn {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Writes pages into a file that nobody else knows yet, in transactions of some MiB. What was committed survives a
-/// crash and is there when the file is opened again.
+/// Writes pages into a new file in transactions of some MiB. Committed pages survive a crash.
 class PageWriter {
  public:
-  /// Begins an empty file or goes on with one.
+  /// Opens a file, or makes an empty one.
   /// fails  io, full, corrupt
   explicit PageWriter(std::filesystem::path file);
   ~PageWriter();
   PageWriter(const PageWriter&) = delete;
   PageWriter& operator=(const PageWriter&) = delete;
 
-  /// Replaces a page. Those of one shelf come in a row, in order, all of them: a shelf is written as a whole.
+  /// Sets a page. Put the pages of one shelf in a row, in order and completely: a shelf is written as a whole.
   void put(PageKey key, std::span<const std::byte> page, std::uint32_t generation = 0);
-  /// Between commits only whole groups of puts are in the file: call it where what was put makes sense on its own.
-  /// Writes when enough has gathered, or at once.
+  /// Ends a group of puts; the file has whole groups only. Writes when enough has gathered, or at once.
   void commit(bool now = false);
-  /// What is in the file. Commits first.
+  /// The file's content after a commit.
   [[nodiscard]] ReadTxn view();
-  /// What was in the file at the last commit.
+  /// The file's content at the last commit.
   [[nodiscard]] ReadTxn committed();
-  /// Everything on disk and sealed: a digest over every byte of the file, unused ones too, stands at its end. The
-  /// file is whole and closed afterwards. Returns its size.
+  /// Writes everything to disk, appends the seal (a digest over every byte of the file) and closes the file. Returns
+  /// its size.
   std::uint64_t finish();
-  /// finish() has closed the file, if it did not get as far as the seal: nothing else may be asked.
+  /// Whether finish() closed the file, perhaps without a seal. Then call nothing else.
   [[nodiscard]] bool is_finished() const;
 
  private:
@@ -130,17 +126,17 @@ class PageWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Writes the same pages, generations included, into a file without unused room, and seals it. `to` exists; what it
-/// holds is replaced. Fails with io, full. Returns its size.
+/// Writes the same pages with their generations into a file without unused space, and seals it. Replaces the content of
+/// `to`, which must exist. Returns its size. fails  io, full
 std::uint64_t write_compact(const PageStore& store, const std::filesystem::path& to);
 
-/// What is wrong with a file's seal, see PageWriter::finish: any byte that has changed since. Reads the whole file.
-/// returns  a sentence, empty if every byte is as it was; fails with not_found, io
+/// Checks every byte of a file against its seal, see PageWriter::finish.
+/// returns  a sentence about what is wrong, or empty. fails  not_found, io
 [[nodiscard]] std::string check_seal(const std::filesystem::path& file);
 
-/// Walks the file's trees page by page without LMDB: every pointer inside the file, every node inside its page.
-/// Small trees are always walked when a file is opened; this walks any.
-/// returns  sentences, empty if sound; fails with not_found, io
+/// Checks the file's trees without LMDB: every pointer stays in the file, every node in its page. open() checks only
+/// small trees.
+/// returns  sentences about what is wrong, or none. fails  not_found, io
 [[nodiscard]] std::vector<std::string> check_structure(const std::filesystem::path& file);
 
 }  // namespace talus

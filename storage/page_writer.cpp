@@ -1,4 +1,4 @@
-// Writing: pages gather until a transaction's worth is there.
+// The writer: collects pages and writes them in large transactions.
 
 #include <algorithm>
 #include <cerrno>
@@ -19,7 +19,7 @@ struct PageWriter::Impl {
   struct Value {
     int table;
     std::uint64_t position;
-    std::variant<std::vector<std::byte>, ShelfPages> content;  ///< a page, or those of a shelf
+    std::variant<std::vector<std::byte>, ShelfPages> content;  ///< a page, or the pages of a shelf
 
     [[nodiscard]] std::size_t size() const {
       const auto* shelf = std::get_if<ShelfPages>(&content);
@@ -37,9 +37,9 @@ struct PageWriter::Impl {
 
   std::shared_ptr<PageStore::Environment> environment = std::make_shared<PageStore::Environment>();
   std::size_t map_bytes = std::size_t{64} << 20;
-  std::vector<Value> batch;  // kept until committed: a full map replays it
+  std::vector<Value> batch;  // kept until committed, because it is written again after the map grew
   std::size_t batch_bytes = 0;
-  ShelfPages shelf;  // the one pages are being put on
+  ShelfPages shelf;  // the shelf that put() is filling
   std::optional<std::pair<int, std::uint64_t>> shelf_at;
 
   [[nodiscard]] MDB_env* env() const { return environment->env.get(); }
@@ -60,37 +60,37 @@ struct PageWriter::Impl {
     close_shelf();
     while (!try_batch()) {
       map_bytes *= 2;
-      check(mdb_env_set_mapsize(env(), map_bytes), "grow the map", file());
+      check(mdb_env_set_mapsize(env(), map_bytes), "enlarge it", file());
     }
     batch.clear();
     batch_bytes = 0;
   }
 
-  /// False if the map is too small for it; nothing is written then.
+  /// False if the map is too small; then nothing is written.
   bool try_batch() {
     if (batch.empty()) return true;
     MDB_txn* raw = nullptr;
-    check(mdb_txn_begin(env(), nullptr, 0, &raw), "begin", file());
+    check(mdb_txn_begin(env(), nullptr, 0, &raw), "write it", file());
     TxnPtr txn(raw);
     for (const Value& value : batch) {
       MDB_dbi dbi = 0;
       int code = mdb_dbi_open(raw, table_name(value.table).c_str(), MDB_CREATE, &dbi);
-      MDB_val room{value.size(), nullptr};  // where LMDB wants it: pages are copied once
+      MDB_val room{value.size(), nullptr};  // LMDB returns the position in the file, so pages are copied once
       if (code == MDB_SUCCESS) {
         KeyBytes key = key_bytes(value.position);
         MDB_val at{key.size(), key.data()};
         code = mdb_put(raw, dbi, &at, &room, MDB_APPEND | MDB_RESERVE);
-        if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &room, MDB_RESERVE);  // out of order: found its place
+        if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &room, MDB_RESERVE);  // not the largest key: insert
       }
       if (code == MDB_MAP_FULL) return false;
-      check(code, "write", file());
+      check(code, "write a page", file());
       value.lay(static_cast<std::byte*>(room.mv_data));
     }
     int code = mdb_txn_commit(txn.release());
     if (code == MDB_MAP_FULL) return false;
-    // LMDB calls a write that came up short an I/O error; mostly the disk is full.
+    // LMDB reports an incomplete write as an I/O error; mostly the disk is full.
     if (code == EIO && std::filesystem::space(file()).available < batch_bytes) code = ENOSPC;
-    check(code, "commit", file());
+    check(code, "write it", file());
     return true;
   }
 };
@@ -100,15 +100,15 @@ PageWriter::PageWriter(std::filesystem::path file) : impl_(std::make_unique<Impl
   made.file = std::move(file);
   break_seal(made.file);
   MDB_env* env = nullptr;
-  check(mdb_env_create(&env), "create environment", made.file);
+  check(mdb_env_create(&env), "create it", made.file);
   made.env.reset(env);
-  check(mdb_env_set_maxdbs(env, kMaxTables), "set tables", made.file);
+  check(mdb_env_set_maxdbs(env, kMaxTables), "create it", made.file);
   std::error_code ignored;
   for (const auto there = std::filesystem::file_size(made.file, ignored); !ignored && impl_->map_bytes < 2 * there;)
     impl_->map_bytes *= 2;
-  check(mdb_env_set_mapsize(env, impl_->map_bytes), "set map size", made.file);
-  // Nobody else knows the file yet: no lock file.
-  check(mdb_env_open(env, made.file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0644), "create",
+  check(mdb_env_set_mapsize(env, impl_->map_bytes), "create it", made.file);
+  // No other process uses the file yet, so it needs no lock file.
+  check(mdb_env_open(env, made.file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0644), "create it",
         made.file);
 }
 
@@ -140,7 +140,7 @@ bool PageWriter::is_finished() const { return impl_->environment == nullptr; }
 
 std::uint64_t PageWriter::finish() {
   impl_->write_batch();
-  check(mdb_env_sync(impl_->env(), 1), "sync", impl_->file());
+  check(mdb_env_sync(impl_->env(), 1), "write it to the disk", impl_->file());
   const std::filesystem::path file = impl_->file();
   impl_->environment.reset();
   put_seal(file);

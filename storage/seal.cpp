@@ -1,4 +1,4 @@
-// The last bytes of a finished file: a digest over all before them. LMDB never looks beyond its last page.
+// The seal: a digest at the end of a finished file, after LMDB's last page.
 
 #include "storage/seal.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'T', 'A', 'L', 'U', 'S', 'E', 'N', 'D'};
 
-/// Magic, length of what is sealed (little endian), digest (XXH3 of 128 bits, canonical: big endian).
+/// Magic, length of the sealed part (little endian), digest (XXH3 of 128 bits, canonical: big endian).
 using Seal = std::array<std::uint8_t, kSealBytes>;
 
 class File {
@@ -83,7 +83,7 @@ Seal seal_over(const File& file, std::uint64_t bytes) {
   std::vector<std::byte> buffer(std::size_t{1} << 20);
   for (std::uint64_t at = 0; at < bytes;) {
     const std::size_t got = file.read(at, buffer.data(), std::min<std::uint64_t>(buffer.size(), bytes - at));
-    if (got == 0) break;  // shorter than before: the digest will be another
+    if (got == 0) break;  // the file became shorter: the digest will differ
     XXH3_128bits_update(state.get(), buffer.data(), got);
     at += got;
   }
@@ -96,7 +96,7 @@ Seal seal_over(const File& file, std::uint64_t bytes) {
   return seal;
 }
 
-/// The seal at the end of a file, if there is one.
+/// The seal at the end of a file, if any.
 std::optional<Seal> seal_of(const File& file) {
   const std::uint64_t size = file.size();
   Seal seal{};
@@ -124,9 +124,8 @@ void break_seal(const std::filesystem::path& path) {
 std::string check_seal(const std::filesystem::path& path) {
   const File file(path, O_RDONLY);
   const auto seal = seal_of(file);
-  if (!seal) return "no seal at the file's end: it was cut or lengthened, or never finished";
-  if (seal_over(file, file.size() - kSealBytes) != *seal)
-    return "the file's bytes are not those that were sealed when it was made";
+  if (!seal) return "the file has no seal at its end: it was cut short or lengthened, or never finished";
+  if (seal_over(file, file.size() - kSealBytes) != *seal) return "the file's bytes have changed since it was finished";
   return "";
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A digest over every byte of a finished file, at its end: see PageWriter::finish and check_seal.
+// The seal: a digest over every byte of a finished file, at its end. See PageWriter::finish and check_seal.
 
 #include <cstddef>
 #include <filesystem>
@@ -9,9 +9,9 @@ namespace talus {
 
 inline constexpr std::size_t kSealBytes = 32;
 
-/// Appends it. The file is closed by all others.
+/// Appends the seal. Nobody else may have the file open.
 void put_seal(const std::filesystem::path& file);
-/// Cuts it off, if there is one, so that the file can be written again.
+/// Removes the seal, if any, so that the file can be written again.
 void break_seal(const std::filesystem::path& file);
 
 }  // namespace talus

@@ -25,7 +25,7 @@ std::uint32_t get_little_endian(const std::byte* from) {
   return value;
 }
 
-/// A directory's checksum must never pass for a page's: no page stands at this position.
+/// A key that no page has, so that a directory's checksum never fits a page.
 PageKey directory_key(int table, std::uint64_t shelf) { return {table, ~shelf}; }
 
 Failure corrupt(PageKey key, const char* what) {
@@ -56,9 +56,10 @@ std::vector<std::byte> wrapped(PageKey key, std::uint32_t generation, std::span<
 }
 
 StoredPage unwrapped(PageKey key, std::span<const std::byte> stored) {
-  if (stored.size() < kPagePrefixBytes) throw corrupt(key, "shorter than its checksum");
+  if (stored.size() < kPagePrefixBytes) throw corrupt(key, "it is shorter than its checksum");
   const StoredPage page{stored.subspan(kPagePrefixBytes), get_little_endian(stored.data() + kChecksumBytes)};
-  if (position_of(stored.data()) != page_checksum(key, page.generation, page.content)) throw corrupt(key, "checksum");
+  if (position_of(stored.data()) != page_checksum(key, page.generation, page.content))
+    throw corrupt(key, "its checksum is wrong");
   return page;
 }
 
@@ -80,15 +81,16 @@ void lay_shelf(int table, std::uint64_t shelf, const ShelfPages& pages, std::byt
 std::array<std::span<const std::byte>, kShelfPages> pages_of_shelf(int table, std::uint64_t shelf,
                                                                    std::span<const std::byte> value) {
   const PageKey first{table, shelf << kShelfShift};
-  if (value.size() < kChecksumBytes + kDirectoryBytes) throw corrupt(first, "a shelf shorter than its directory");
+  if (value.size() < kChecksumBytes + kDirectoryBytes)
+    throw corrupt(first, "its group of 64 pages is shorter than the directory");
   const auto directory = value.subspan(kChecksumBytes, kDirectoryBytes);
   if (position_of(value.data()) != page_checksum(directory_key(table, shelf), 0, directory))
-    throw corrupt(first, "checksum of the shelf's directory");
+    throw corrupt(first, "the checksum of its group of 64 pages is wrong");
   std::array<std::span<const std::byte>, kShelfPages> pages;
   std::size_t at = kChecksumBytes + kDirectoryBytes;
   for (std::size_t i = 0; i < kShelfPages; ++i) {
     const std::size_t bytes = get_little_endian(&directory[4 * i]);
-    if (bytes > value.size() - at) throw corrupt(first, "a shelf shorter than its pages");
+    if (bytes > value.size() - at) throw corrupt(first, "its group of 64 pages is shorter than its pages");
     pages[i] = value.subspan(at, bytes);
     at += bytes;
   }

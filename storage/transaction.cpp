@@ -34,23 +34,23 @@ struct ReadTxn::Impl {
     const int code = mdb_get(txn.get(), *table(number), &key, &found);
     environment->require_all_bytes();
     if (code == MDB_NOTFOUND) return std::nullopt;
-    check(code, "read", file());
+    check(code, "read a page", file());
     return std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size);
   }
 
-  /// visit(position, value) for each value of a table in order.
+  /// visit(position, value) for each value of a table, in order.
   template <class Visit>
   void for_each_value(int number, Visit&& visit) const {
     if (!table(number)) return;
     MDB_cursor* raw = nullptr;
-    check(mdb_cursor_open(txn.get(), *table(number), &raw), "open cursor", file());
+    check(mdb_cursor_open(txn.get(), *table(number), &raw), "read a table", file());
     const std::unique_ptr<MDB_cursor, decltype(&mdb_cursor_close)> cursor(raw, mdb_cursor_close);
     MDB_val key{}, found{};
     int code = mdb_cursor_get(raw, &key, &found, MDB_FIRST);
     for (; code == MDB_SUCCESS; code = mdb_cursor_get(raw, &key, &found, MDB_NEXT)) {
       environment->require_all_bytes();
       if (key.mv_size != sizeof(KeyBytes)) {
-        throw Failure(Cause::corrupt, fmt::format("corrupt: {}: {} has a key of {} bytes", file().string(),
+        throw Failure(Cause::corrupt, fmt::format("corrupt: {}: table {} has a key of {} bytes", file().string(),
                                                   table_name(number), key.mv_size));
       }
       try {
@@ -61,19 +61,19 @@ struct ReadTxn::Impl {
       }
     }
     environment->require_all_bytes();
-    if (code != MDB_NOTFOUND) check(code, "walk table", file());
+    if (code != MDB_NOTFOUND) check(code, "read a table", file());
   }
 };
 
 ReadTxn::ReadTxn(const PageStore& store) : impl_(std::make_unique<Impl>()) {
   impl_->environment = store.environment_;
   MDB_txn* txn = nullptr;
-  check(mdb_txn_begin(impl_->environment->env.get(), nullptr, MDB_RDONLY, &txn), "begin", impl_->file());
+  check(mdb_txn_begin(impl_->environment->env.get(), nullptr, MDB_RDONLY, &txn), "read it", impl_->file());
   impl_->txn.reset(txn);
-  // The first look at a table changes the transaction; after it, several threads may look.
+  // The first use of a table changes the transaction; afterwards several threads may read.
   for (const auto& table : impl_->environment->tables) {
     MDB_stat ignored{};
-    if (table) check(mdb_stat(txn, *table, &ignored), "look at a table", impl_->file());
+    if (table) check(mdb_stat(txn, *table, &ignored), "read a table", impl_->file());
   }
   impl_->environment->require_all_bytes();
 }
@@ -110,20 +110,20 @@ bool ReadTxn::has(PageKey key) const {
 void ReadTxn::forget(PageKey key) const {
   const auto value = impl_->value(key.table, value_position(key));
   if (!value) return;
-  // A large value begins behind the header of its first page, which says its number: so far from the map's begin.
+  // A large value begins after the header of its first page. The page's number there says how far the map's start is.
   constexpr std::uintptr_t kHeader = 16, kAround = std::uintptr_t{64} << 10;
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   const auto at = reinterpret_cast<std::uintptr_t>(value->data());
-  if (at % page != kHeader) return;  // a small one, on a page of the tree
+  if (at % page != kHeader) return;  // a small value, inside a page of the tree
   std::uint64_t number = 0;
   std::memcpy(&number, value->data() - kHeader, sizeof number);
   MDB_stat sizes{};
   MDB_envinfo info{};
-  check(mdb_env_stat(impl_->environment->env.get(), &sizes), "look at the map", impl_->file());
-  check(mdb_env_info(impl_->environment->env.get(), &info), "look at the map", impl_->file());
+  check(mdb_env_stat(impl_->environment->env.get(), &sizes), "read its size", impl_->file());
+  check(mdb_env_info(impl_->environment->env.get(), &info), "read its size", impl_->file());
   if (sizes.ms_psize % page != 0 || number > info.me_last_pgno) return;
   const std::uintptr_t begin = at - kHeader - number * sizes.ms_psize, end = begin + info.me_mapsize;
-  // The system brings in what lies around, too. A shared, read-only map loses nothing by letting go of it.
+  // The system also loads pages around it. A shared read-only map loses nothing when they are dropped.
   const std::uintptr_t first = std::max(begin, (at - kHeader) / page * page - std::min(at - kHeader, kAround));
   const std::uintptr_t last = std::min(end, (at + value->size() + page - 1) / page * page + kAround);
   if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);

@@ -1,14 +1,13 @@
-// Bitrees: which triangles are split, and what heights that gives.
+// Bitrees: which triangles are split, and the heights that follow.
 //
-// A triangle is named by the vertex in the middle of its hypotenuse and the side of the diamond it is: it is split or
-// not, one bit. It exists if the triangle it is a half of is split; so splitting one splits those it lies in, and no
-// other. A restricted quadtree splits both triangles of a diamond, and goes on from both.
+// A triangle is named by the midpoint of its hypotenuse and the side of the diamond that it is on; one bit says whether
+// it is split. It exists if the triangle that it is a half of is split, so splitting it splits everything it lies in,
+// and nothing else. A restricted quadtree splits both triangles of a diamond.
 //
-// Whether a sample is within the tolerance of a triangle was computed, when vertices were selected, from the heights of
-// its corners. If one of them is fictitious it stands elsewhere, and nothing is known. Such triangles are therefore
-// held against their samples; where one is violated, the corner that is farthest from its sample is selected, which
-// moves others, and so on until none is. At the latest all corners have their heights, and then the error is the one
-// that was computed at first. [A §2.2, §3.2]
+// The errors that select vertices were computed with source heights at all corners. A fictitious corner has another
+// height, so triangles with one are measured again. Where one is too far from its samples, the corner that is farthest
+// from its own sample is selected. That changes other triangles, so it repeats until none is too far. In the worst case
+// all corners have source heights, and the computed errors hold. [A §2.2, §3.2]
 
 #include "talus/bitree.hpp"
 
@@ -35,18 +34,16 @@ namespace {
 
 constexpr std::uint8_t split_bit(int side) { return side == 0 ? Bitree::kSplitsFirst : Bitree::kSplitsSecond; }
 
-/// Which half of the diamond of `middle` has its right angle at `apex`.
+/// The half of the diamond of `middle` whose right angle is at `apex`.
 constexpr int side_at(GridPoint middle, GridPoint apex) { return diamond(middle).apexes[0] == apex ? 0 : 1; }
 
-/// Half a unit cell: no grid point is in the middle of its hypotenuse.
-
-/// All vertices of a region and which triangles they split.
+/// All vertices of a region, and the triangles that they split.
 class Hierarchy {
  public:
   explicit Hierarchy(GridRect region)
       : region_(region), root_(root_side(region)), kinds_(static_cast<std::size_t>(region.samples()), 0) {
     for (const GridPoint p : border_vertices(region, root_)) kind(p) = kAll;
-    if (region.contains({0, 0})) kind({0, 0}) = kAll;  // the one root corner that data can reach
+    if (region.contains({0, 0})) kind({0, 0}) = kAll;  // the only root corner inside data
   }
 
   [[nodiscard]] GridRect region() const { return region_; }
@@ -62,13 +59,13 @@ class Hierarchy {
     split(p, 1);
   }
 
-  /// visit(GridPoint) for each grid point of the region, the coarsest first: the ends of a diamond before its vertex.
+  /// visit(GridPoint) for each grid point of the region, coarsest first, so the ends of a diamond before its vertex.
   template <class Visit>
   void for_each_from_coarsest(Visit&& visit) const {
     const auto up = [](std::int32_t v, std::int32_t s) { return (v + s - 1) & -s; };
     for (std::int32_t s = root_; s >= 1; s /= 2) {
       for (std::int32_t row = up(region_.first.row, s); row <= region_.last.row; row += s) {
-        // On rows that are odd in this spacing all columns are of this level, on even ones every second one.
+        // A row that is odd in this spacing has vertices of this level in every column, an even one in every second.
         const bool all = (row & s) != 0 || s == root_;
         std::int32_t col = up(region_.first.col, s);
         if (!all && (col & s) == 0) col += s;
@@ -77,7 +74,7 @@ class Hierarchy {
     }
   }
 
-  /// visit(Triangle) for each triangle of the region that is not split, right angle first.
+  /// visit(Triangle) for each triangle of the region that is not split.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
     std::size_t i = 0;
@@ -105,7 +102,7 @@ class Hierarchy {
 
   std::uint8_t& kind(GridPoint p) { return kinds_[index(p)]; }
 
-  /// A triangle and all that it lies in. No triangle leaves the region and enters it: border vertices saw to that.
+  /// Splits a triangle and all that it lies in. Border vertices make sure that none of these crosses a side.
   void split(GridPoint middle, int side) {
     while (true) {
       const HalfDiamond t = half_diamond(middle, side);
@@ -123,7 +120,7 @@ class Hierarchy {
   std::vector<std::uint8_t> kinds_;
 };
 
-/// Gives each vertex its height: a selected one that of `source`, a fictitious one that between its ends.
+/// Sets each height: a selected vertex has that of `source`, a fictitious one the mean of its diamond's ends.
 template <class Source>
 void settle_heights(const Hierarchy& h, Source&& source, std::vector<double>& heights) {
   h.for_each_from_coarsest([&](GridPoint p) {
@@ -156,7 +153,7 @@ Bitree taken_from(const Hierarchy& h, std::span<const double> heights) {
   return out;
 }
 
-/// What the samples are, fills included, and how far triangles are from them. The samples must stay.
+/// The samples with their fills, and the distances of triangles from them. Keep the samples alive.
 class SampledGround {
  public:
   SampledGround(const SampleWindow& samples, const BitreeOptions& options)
@@ -179,7 +176,7 @@ class SampledGround {
   [[nodiscard]] bool is_valid(GridPoint p) const { return field_.is_valid(field_.index(p)); }
   [[nodiscard]] double metres(double units) const { return field_.distance.metres(units); }
 
-  /// Of one half of a diamond in metres, its corners at the heights that `at` says; 0 outside the region.
+  /// The error of one half of a diamond in metres, its corners at the heights of `at`; 0 outside the region.
   template <class At>
   [[nodiscard]] double error(GridPoint middle, int side, At&& at) const {
     const HalfDiamond t = half_diamond(middle, side);
@@ -190,18 +187,18 @@ class SampledGround {
     return holds == kMixed ? std::max(metres, longest_side(t)) : metres;
   }
 
-  /// Whether interpolating between whole numbers rounds nowhere.
+  /// Whether interpolation between the heights never rounds.
   [[nodiscard]] bool is_exact() const {
     BitRange used;
     for (const double h : heights_) used.take(h);
-    // Fictitious vertices halve as often again as the planes do.
+    // Fictitious vertices halve heights as often again as planes do.
     const std::int64_t side = std::max<std::int64_t>(region_.cols(), region_.rows());
     return field_.distance.is_binary() && side < 1 << 15 &&
            used.interpolates_exactly(static_cast<std::int32_t>(side * side));
   }
 
  private:
-  /// On the ground, weighted.
+  /// The longest side on the ground in metres, times the void weight.
   [[nodiscard]] double longest_side(const HalfDiamond& t) const {
     return options_.void_weight * options_.cell.value * 2 * t.s * (t.centre ? std::sqrt(2.0) : 1.0);
   }
@@ -209,7 +206,7 @@ class SampledGround {
   BitreeOptions options_;
   GridRect region_;
   std::span<const double> heights_;
-  Codes filled_;  ///< what they are with voids
+  Codes filled_;  ///< the samples with fills, if there are voids
   std::optional<VoidMap> voids_;
   HeightField field_;
 };
@@ -219,16 +216,16 @@ void require(const SampleWindow& samples, Metres tolerance, const BitreeOptions&
   const bool fits = r.cols() > 0 && r.rows() > 0 && r.cols() <= kMaxExtent && r.rows() <= kMaxExtent &&
                     samples.values.size() == static_cast<std::size_t>(r.samples()) &&
                     samples.valid.size() == samples.values.size();
-  if (!fits) refuse("a bitree needs a region with one value and one mark of validity for each of its samples");
+  if (!fits) refuse("a bitree needs a region with one value and one valid flag a sample");
   if (!(tolerance.value >= 0)) refuse("the tolerance of a bitree must be 0 m or more");
   if (!(options.metres_per_unit > 0) || !(options.cell.value > 0) || !(options.void_weight > 0))
-    refuse("metres per unit, cell and weight of voids must be above 0");
+    refuse("BitreeOptions: metres_per_unit, cell and void_weight must be above 0");
   for (std::size_t i = 0; i < samples.values.size(); ++i) {
     if (samples.valid[i] && !std::isfinite(samples.values[i])) refuse("a valid height is not finite");
   }
 }
 
-/// Selects what fictitious heights left too far away, until nothing is; how many that were.
+/// Selects vertices until all triangles are within the tolerance; returns how many it selected.
 std::size_t correct(Hierarchy& h, const SampledGround& ground, double tolerance, std::vector<double>& heights) {
   const auto source = [&](GridPoint p) { return ground.height(p); };
   const auto off = [&](GridPoint p) { return std::abs(heights[h.index(p)] - ground.height(p)); };
@@ -240,7 +237,7 @@ std::size_t correct(Hierarchy& h, const SampledGround& ground, double tolerance,
       const std::array<GridPoint, 3> corners{t.apex, t.left, t.right};
       const GridPoint worst =
           *std::max_element(corners.begin(), corners.end(), [&](GridPoint p, GridPoint q) { return off(p) < off(q); });
-      if (off(worst) == 0) return;  // the triangle that was measured when vertices were selected
+      if (off(worst) == 0) return;  // the corners have source heights: this triangle was measured before
       if (is_finest(t)) {
         const auto valid = [&](GridPoint p) { return ground.is_valid(p); };
         if (std::all_of(corners.begin(), corners.end(), valid) && ground.metres(off(worst)) > tolerance)
@@ -294,10 +291,10 @@ Bitree bitree_of(const SampleWindow& samples, Metres tolerance, const BitreeOpti
 
 Bitree complete_bitree(const VertexMask& selected, std::span<const double> heights) {
   if (selected.region().cols() <= 0 || selected.region().rows() <= 0 || heights.size() != selected.size())
-    refuse("a bitree needs one height for each selected vertex");
+    refuse("a bitree needs one height a selected vertex");
   Hierarchy h(selected.region());
   for (const GridPoint p : border_vertices(selected.region(), root_side(selected.region()))) {
-    if (!selected.contains(p)) refuse("vertices that the sides of the region need are not selected");
+    if (!selected.contains(p)) refuse("a bitree needs every vertex that the sides of its region need: select them too");
   }
   selected.for_each([&](GridPoint p) { h.select(p); });
   std::vector<double> all(static_cast<std::size_t>(selected.region().samples()));

@@ -1,8 +1,8 @@
 // The surface of a bitree: a walk over its triangles along a Sierpinski curve, and strips of triangles in any order.
 //
-// The walk goes through a triangle from one end of its hypotenuse to the other, so through its halves one after the
-// other; what it leaves last and enters next share a side or a part of one. Where the smaller one ends amid the side of
-// the larger one, the larger one is cut there, in the direction of the walk. [A §4]
+// The walk crosses a triangle from one end of its hypotenuse to the other, so it crosses the halves one after the
+// other. Consecutive triangles share a side or a part of one. Where the smaller one ends in the middle of the larger
+// one's side, the larger one is cut there, in the direction of the walk. [A §4]
 
 #include <algorithm>
 #include <array>
@@ -76,16 +76,16 @@ void require_whole(const Bitree& bitree) {
   const std::size_t size = bitree.vertices.size();
   if (bitree.kinds.size() != size || bitree.heights.size() != size ||
       (!bitree.covers.empty() && bitree.covers.size() != size)) {
-    throw Failure(Cause::corrupt, "corrupt: a bitree with other numbers of kinds, heights or covers than of vertices");
+    throw Failure(Cause::corrupt, "corrupt: the bitree does not have one kind, height and cover a vertex");
   }
 }
 
-/// Cuts triangles at the vertices on their sides.
+/// Cuts triangles at vertices on their sides.
 class Cutter {
  public:
   explicit Cutter(const VertexMask& mask) : mask_(mask) {}
 
-  /// From corner x to corner z; y is the third one.
+  /// Cuts a triangle; the walk goes from corner x to corner z.
   void cut(GridPoint x, GridPoint y, GridPoint z) {
     if (const GridPoint m = middle(x, z); is_between(m, x, z)) {
       cut(x, m, y);
@@ -107,7 +107,7 @@ class Cutter {
 
  private:
   static GridPoint middle(GridPoint p, GridPoint q) { return {(p.col + q.col) >> 1, (p.row + q.row) >> 1}; }
-  /// The sides of a hierarchy's triangle are halved by vertices or not at all, and inside it there is none.
+  /// Whether a vertex halves this side. No vertex lies elsewhere on a side, or inside the triangle.
   [[nodiscard]] bool is_between(GridPoint m, GridPoint p, GridPoint q) const {
     return ((p.col ^ q.col) & 1) == 0 && ((p.row ^ q.row) & 1) == 0 && mask_.contains(m);
   }
@@ -118,7 +118,7 @@ using Corners = std::array<std::uint32_t, 3>;
 
 bool has(const Corners& t, std::uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
 
-/// The corner that two triangles which share a side do not share; none if they share no side.
+/// The corner of `t` that is not on the side shared with `other`; kNone if they share no side.
 constexpr std::size_t kNone = 3;
 std::size_t alone_in(const Corners& t, const Corners& other) {
   std::size_t alone = kNone;
@@ -145,7 +145,7 @@ Mesh mesh_of(const Bitree& bitree) {
   Cutter cutter(mask);
   Walk(bitree).run([&](GridPoint from, GridPoint apex, GridPoint to) {
     for (const GridPoint p : {from, apex, to}) {
-      if (!mask.contains(p)) throw Failure(Cause::corrupt, "corrupt: a bitree whose triangles lack a corner");
+      if (!mask.contains(p)) throw Failure(Cause::corrupt, "corrupt: a triangle of the bitree lacks a corner");
     }
     cutter.cut(from, apex, to);
   });
@@ -168,19 +168,20 @@ Array<std::uint32_t> alternating_indices(const Mesh& mesh) {
   Array<std::uint32_t> out;
   out.reserve(2 * mesh.triangles.size());
   std::uint32_t left = 0, right = 0;
-  bool goes_on = false;  // the last two indices are left and right, in some order: the side shared with this triangle
+  bool goes_on = false;  // the last two indices are left and right, in any order: the side shared with this triangle
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Corners& t = mesh.triangles[i];
     const std::size_t alone = i + 1 < mesh.triangles.size() ? alone_in(t, mesh.triangles[i + 1]) : kNone;
     if (!goes_on) {
-      // A triangle whose third index is at an even place is drawn as it stands, else turned round. The first two are
-      // such that the second stays for the next triangle, and the first is where the list ends, if that can be.
+      // A triangle whose third index has an even position keeps its winding, an odd one is reversed. Choose the first
+      // two indices so that the second is used again by the next triangle, and the first repeats the last index if
+      // possible.
       const bool odd = out.size() % 2 != 0;
       std::size_t best = 0, least = 99;
       for (std::size_t turn = 0; turn < 3; ++turn) {
         const std::size_t l = turn, r = (turn + 1) % 3, ahead = (turn + 2) % 3;
         const std::size_t first = odd ? r : l, second = odd ? l : r;
-        if (alone == ahead) continue;  // it would leave where it came in
+        if (alone == ahead) continue;  // the path would leave where it entered
         const std::size_t cost = (!out.empty() && out.back() != t[first] ? 2u : 0u) + (alone == second ? 1u : 0u);
         if (cost < least) least = cost, best = turn;
       }
@@ -198,7 +199,7 @@ Array<std::uint32_t> alternating_indices(const Mesh& mesh) {
     for (const std::uint32_t v : t) {
       if (v != left && v != right) ahead = v;
     }
-    goes_on = alone != kNone && t[alone] != ahead;  // on another side than it came in by
+    goes_on = alone != kNone && t[alone] != ahead;  // it leaves over another side than it entered
     if (goes_on) {
       const bool turns_right = t[alone] == left;
       const std::uint32_t pivot = turns_right ? right : left;

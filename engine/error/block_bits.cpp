@@ -9,7 +9,7 @@
 namespace talus {
 namespace {
 
-/// Bits of the numbers of a rectangle.
+/// The bits that the numbers of a rectangle use.
 template <class Code>
 BitRange bits_within(const HeightField& field, std::span<const Code> heights, GridRect part) {
   BitRange bits;
@@ -32,8 +32,7 @@ BitRange bits_within(const HeightField& field, std::span<const Code> heights, Gr
 
 BlockBits::BlockBits(const HeightField& field) {
   const GridRect& e = field.extent;
-  // A block whose closed square starts on the field's last column belongs to it, too, and so does one that
-  // ends on its first.
+  // The field touches a block whose closed square begins on the field's last column, and one that ends on its first.
   first_ = {(e.first.col - 1) >> kBlockShift, (e.first.row - 1) >> kBlockShift};
   cols_ = (e.last.col >> kBlockShift) - first_.col + 1;
   rows_ = (e.last.row >> kBlockShift) - first_.row + 1;

@@ -1,5 +1,5 @@
 #pragma once
-// Where arithmetic rounds: a property of each block, so that a vertex's error depends on nothing far away.
+// Whether arithmetic rounds, block by block, so that a vertex's error depends on nothing far away.
 
 #include <vector>
 
@@ -8,13 +8,13 @@
 
 namespace talus {
 
-/// Cells along a block's side. Vertices of smaller spacing are settled within blocks.
+/// Cells along a block's side. Vertices of smaller spacing are computed within blocks.
 inline constexpr int kBlockShift = 6;
 inline constexpr std::int32_t kBlockSide = 1 << kBlockShift;
 
-/// Column and row of the block in which a half-diamond of spacing below kBlockSide lies.
+/// Column and row of the block that contains a half-diamond of spacing below kBlockSide.
 [[nodiscard]] constexpr GridPoint block_of(const HalfDiamond& t) {
-  // The middle of a triangle lies on no block's side.
+  // The middle of a triangle is never on the side of a block.
   const auto middle = [](std::int32_t three) {
     const std::int32_t n = 3 * kBlockSide;
     return three >= 0 ? three / n : -((n - 1 - three) / n);
@@ -22,8 +22,7 @@ inline constexpr std::int32_t kBlockSide = 1 << kBlockShift;
   return {middle(t.apex.col + t.a.col + t.b.col), middle(t.apex.row + t.a.row + t.b.row)};
 }
 
-/// visit(block) for each block, by column and row, that shares an area with a half-diamond of spacing
-/// kBlockSide or more.
+/// visit(block), by column and row, for each block that overlaps a half-diamond of spacing kBlockSide or more.
 template <class Visit>
 void for_each_block(GridPoint vertex, int side, Visit&& visit) {
   const HalfDiamond t = half_diamond({vertex.col >> kBlockShift, vertex.row >> kBlockShift}, side);
@@ -35,21 +34,21 @@ void for_each_block(GridPoint vertex, int side, Visit&& visit) {
   }
 }
 
-/// The bits in use in every closed block (all (kBlockSide + 1)² samples, fills included) of a field.
+/// The bits used in each closed block of a field: all (kBlockSide + 1)² samples and fills.
 class BlockBits {
  public:
   explicit BlockBits(const HeightField& field);
 
-  /// Nothing is in use beyond the field.
+  /// A block outside the field uses no bits.
   [[nodiscard]] BitRange operator[](GridPoint block) const {
     const std::int32_t col = block.col - first_.col, row = block.row - first_.row;
     if (col < 0 || row < 0 || col >= cols_ || row >= rows_) return {};
     return blocks_[static_cast<std::size_t>(row * cols_ + col)];
   }
-  /// Whether that holds for every block alone.
+  /// Whether interpolation is exact in every block alone.
   [[nodiscard]] bool all_exact() const { return all_exact_; }
-  /// Whether every interpolation over the half-diamond is exact in double. A function of the vertex: of the
-  /// block it lies in; of a large one, of all blocks it touches, each alone and together.
+  /// Whether every interpolation over the half-diamond is exact in double. It depends on the half's own block; for a
+  /// large half on all blocks that it touches, each alone and together.
   [[nodiscard]] bool is_exact(GridPoint vertex, int side) const;
 
  private:

@@ -1,4 +1,4 @@
-// What the kernels (engine/error/block_kernel.inc) need: which blocks go through together, as what kind of number.
+// Prepares blocks for the kernels (engine/error/block_kernel.inc): which blocks share a batch, and as which numbers.
 
 #include "engine/error/block_errors.hpp"
 
@@ -17,11 +17,11 @@ namespace {
 constexpr int kSide = kBlockSamples;
 static_assert(kBlockSide == kBlockCells && kBlockShift == kBlockLevels);
 
-/// Where the vertices of each level begin in a block's own arrays, row by row.
+/// Index of each level's first vertex in a block's own arrays, which are row by row.
 constexpr std::array<std::size_t, kBlockLevels> kLevelStart = {0, 4225, 5314, 5603, 5684, 5709};
 constexpr int level_side(int level) { return (kBlockSide >> level) + 1; }
 
-/// Codes of the smallest distances of whole numbers.
+/// Error codes of the smallest distances of whole numbers.
 class ShortCodes {
  public:
   explicit ShortCodes(const CodeDistance& distance) : distance_(distance) {
@@ -50,7 +50,7 @@ class ShortCodes {
   std::array<std::array<ErrorCode, LadderTables::kShort>, kBlockLevels> codes_{};
 };
 
-/// A block that is no plain part of the field: one that is cut by its edge.
+/// A copy of a block that the edge of the field cuts.
 struct OwnBlock {
   std::array<std::byte, kKernelCells * sizeof(double)> heights;
   std::array<std::uint8_t, kKernelCells> valid;
@@ -63,7 +63,7 @@ struct OwnBlock {
   }
 };
 
-/// Memory that a thread keeps from tile to tile. No result depends on what it holds.
+/// Memory that a thread reuses from tile to tile. No result depends on its content.
 struct Workspace {
   Workspace() : kernel(static_cast<std::byte*>(std::aligned_alloc(64, kMemory))) {
     if (kernel == nullptr) throw std::bad_alloc();
@@ -83,7 +83,7 @@ Workspace& workspace() {
   return memory;
 }
 
-/// One kind of block: those that can share a batch. `whole`: all heights are multiples of one unit.
+/// A kind of block; blocks of one kind can share a batch. `whole`: all heights are multiples of one unit.
 struct Kind {
   bool whole = false, masked = false;
 };
@@ -104,7 +104,7 @@ class BlockErrors {
   }
 
   void run(GridRect blocks) {
-    std::array<std::vector<GridPoint>, 2> whole, real;  // without voids and with
+    std::array<std::vector<GridPoint>, 2> whole, real;  // without voids, with voids
     for (std::int32_t row = blocks.first.row; row <= blocks.last.row; ++row) {
       for (std::int32_t col = blocks.first.col; col <= blocks.last.col; ++col) {
         const GridPoint corner{col * kBlockSide, row * kBlockSide};
@@ -130,7 +130,7 @@ class BlockErrors {
   }
   [[nodiscard]] GridRect part_of_field(GridPoint corner) const { return common(closed(corner), field_.extent); }
 
-  /// Valid samples of a closed block.
+  /// Number of valid samples of a closed block.
   [[nodiscard]] int count_valid(GridPoint corner) const {
     const GridRect part = part_of_field(corner);
     if (is_empty(part)) return 0;
@@ -149,8 +149,8 @@ class BlockErrors {
     return (*input_.bits)[{corner.col >> kBlockShift, corner.row >> kBlockShift}];
   }
 
-  /// Whether all heights of a block are whole numbers, or become whole numbers of 32 bits in a unit of their own. If
-  /// they are, every interpolation between them is exact in double, too.
+  /// Whether all heights of a block are whole numbers, or are whole numbers of 32 bits in a unit of the block. Then
+  /// every interpolation between them is exact in double, too.
   [[nodiscard]] bool is_whole(GridPoint corner) const {
     if constexpr (std::is_same_v<Code, std::int16_t>) return true;
     const BitRange bits = bits_of(corner);
@@ -158,7 +158,7 @@ class BlockErrors {
     return bits.coarsest - bits.finest < kUnitBits && std::abs(bits.finest) <= kMostUnitExponent;
   }
 
-  /// Returns the blocks with which the kernel could not do.
+  /// Returns the blocks that the kernel could not do.
   std::vector<GridPoint> batches(const std::vector<GridPoint>& corners, Kind kind) {
     const auto most = static_cast<std::size_t>(kind.whole ? kernel_.whole_lanes : kernel_.real_lanes);
     std::vector<GridPoint> left;
@@ -172,7 +172,7 @@ class BlockErrors {
     return left;
   }
 
-  /// Returns a bit for each block with which the kernel could not do.
+  /// Returns a bit for each block that the kernel could not do.
   std::uint32_t batch(std::span<const GridPoint> corners, Kind kind) {
     std::array<Lane, kMostLanes> lanes;
     for (std::size_t i = 0; i < corners.size(); ++i) lanes[i] = lane(corners[i], kind, i);
@@ -228,8 +228,8 @@ class BlockErrors {
     return input_.voids->units(level).at(corner.col >> level, corner.row >> level);
   }
 
-  /// A block with samples beyond the field gets copies of the nearest ones there (so that ranges stay small), which
-  /// do not count. Of rasters a few samples wide every block is cut: only rows that are there are gone through.
+  /// Samples outside the field become copies of the nearest ones, so that ranges stay small, and do not count. In a
+  /// raster a few samples wide every block is cut, so only existing rows are visited.
   void cut_out(GridPoint corner, Lane& lane, OwnBlock& block) const {
     const GridRect part = part_of_field(corner);
     const auto first_row = static_cast<std::size_t>(part.first.row - corner.row);
@@ -258,7 +258,7 @@ class BlockErrors {
     block.holds.fill(0);
     for (int level = 0; level < kBlockLevels; ++level) {
       const std::size_t start = kLevelStart[static_cast<std::size_t>(level)];
-      // A vertex beyond the field is the midpoint of no hypotenuse within it.
+      // A vertex outside the field is not the midpoint of a hypotenuse inside it.
       for_each_vertex(part, level, [&](GridPoint p) { block.holds[start + index_of(p, corner, level)] = held_by(p); });
       lane.errors[level] = block.errors.data() + start;
       lane.holds[level] = block.holds.data() + start;
@@ -275,13 +275,13 @@ class BlockErrors {
     };
     return static_cast<std::uint8_t>(half(0) | half(1) << 2);
   }
-  /// visit(vertex) for those of spacing 1 << level in a part of a block.
+  /// visit(vertex) for each vertex of spacing 1 << level in a part of a block.
   template <class Visit>
   static void for_each_vertex(GridRect part, int level, Visit&& visit) {
     const std::int32_t step = 1 << level;
     const auto up = [&](std::int32_t i) { return (i + step - 1) & -step; };
     for (std::int32_t row = up(part.first.row); row <= part.last.row; row += step) {
-      const bool odd = (row & step) != 0;  // all of an odd row; every second of an even one
+      const bool odd = (row & step) != 0;  // every column of an odd row; every second one of an even row
       const std::int32_t stride = odd ? step : 2 * step;
       std::int32_t col = up(part.first.col);
       if (!odd && (col & step) == 0) col += step;
@@ -293,7 +293,7 @@ class BlockErrors {
                                     ((p.col - corner.col) >> level));
   }
 
-  /// The errors of a block that was cut out.
+  /// Copies the errors of a cut block back.
   void give_back(GridPoint corner, const OwnBlock& block) {
     for (int level = 0; level < kBlockLevels; ++level) {
       const auto units = errors_.units(level);
@@ -346,7 +346,7 @@ void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
       const std::uint8_t* held = &holds.at(to.first_col, row);
       const auto is_mixed = [](std::uint8_t h) { return (h & 3) == kMixed || h >> 2 == kMixed; };
       if (std::none_of(held, held + width, is_mixed)) continue;
-      ErrorCode codes[2][2];  // by parity of the place in the row, and side
+      ErrorCode codes[2][2];  // by parity of the position in the row, and by side
       for (const int place : {0, 1}) {
         const GridPoint p{to.first_col + place, row};
         for (const int side : {0, 1}) {

@@ -1,18 +1,17 @@
 #pragma once
-// Errors of the vertices of spacing below a block's side, fast.
+// Errors of the vertices of spacing below a block's side, by fast kernels.
 
 #include "engine/error/vertex_error.hpp"
 
 namespace talus::detail {
 
-/// Raises the errors of all vertices to those of their halves that lie in the blocks, first to last by column
-/// and row. The same as reference_errors up to saturation: where all of a block is data, several go
-/// side by side in the lanes of a vector, and only the interior and the hypotenuse of each triangle count (its
-/// legs are its children's hypotenuses, so saturation brings them back).
+/// Raises errors to those of the halves in the blocks from first to last, by column and row. After saturation the
+/// result equals reference_errors. Blocks without voids go side by side in the lanes of a vector; then only the
+/// interior and the hypotenuse of a triangle count, because its legs are hypotenuses of its children.
 void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors);
 
-/// Raises the errors of vertices with a half that mixes data and void to the least such a half has, which follows from
-/// its row and shape. The input has voids.
+/// Raises the errors of vertices with a mixed half to the least error of such a half, which follows from its row and
+/// shape. The input must have voids.
 void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
 
 }  // namespace talus::detail

@@ -1,8 +1,8 @@
 #pragma once
 // The inner loops of block errors, compiled once for each kind of processor.
 //
-// This header and engine/error/block_kernel.inc are all that those sources include: an inline function of any other
-// header would be compiled with their instructions, and the linker might hand it to everybody.
+// Their sources include only this header and engine/error/block_kernel.inc. An inline function of another header would
+// be compiled with their instructions too, and the linker might use that version everywhere.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,56 +14,56 @@ inline constexpr int kBlockCells = 64;  // along a side of a block
 inline constexpr int kBlockSamples = 65;
 inline constexpr int kMostLanes = 32;
 
-/// One of the blocks that go through together. All pointers are to what belongs to its north-west sample.
+/// One block of a batch. All pointers point to the entry of its north-west sample.
 struct Lane {
   const void* heights = nullptr;
   std::ptrdiff_t stride = 0;
-  const std::uint8_t* valid = nullptr;  ///< 1 where a sample counts; null: all do
+  const std::uint8_t* valid = nullptr;  ///< 1: the sample counts; null: all count
   std::ptrdiff_t valid_stride = 0;
-  /// By level: what is raised, at the block's vertices, and what the halves hold (null: all are data).
+  /// By level, for the block's vertices: errors to raise, and what the halves hold (null: all are data).
   std::uint16_t* errors[kBlockLevels] = {};
   const std::uint8_t* holds[kBlockLevels] = {};
   std::ptrdiff_t level_stride[kBlockLevels] = {};
-  double margin = 0;     ///< metres on top of each error; where not 0 the caller sees to finest side midpoints himself
-  float unit = 0;        ///< of `scaled_…`: a power of two of which all heights are multiples
+  double margin = 0;     ///< metres to add to each error; if not 0, the caller computes finest side midpoints
+  float unit = 0;        ///< for `scaled_…`: a power of two; all heights are multiples of it
   std::uint8_t odd = 0;  ///< 1: the block's own diagonal rises
 };
 
-/// From distances to codes. Whole numbers have distances in steps of 1 / (2 · spacing).
+/// Tables from distances to codes. Distances of whole numbers are multiples of a step, 1 / (2 · spacing).
 struct LadderTables {
   static constexpr int kShort = 2048;
-  const std::uint16_t* steps[kBlockLevels] = {};  ///< kShort codes of 0, 1, 2 … steps by level
-  double factor = 1, divisor = 1;                 ///< metres are distance · factor / divisor
-  const double* rungs = nullptr;                  ///< metres of all codes, the last infinite
+  const std::uint16_t* steps[kBlockLevels] = {};  ///< by level: the codes of 0 … kShort - 1 steps
+  double factor = 1, divisor = 1;                 ///< metres = distance · factor / divisor
+  const double* rungs = nullptr;                  ///< metres of all codes, the last one infinite
   const std::uint16_t* first_guess = nullptr;     ///< see ErrorLadder
 };
 
 struct Batch {
   const Lane* lanes = nullptr;
-  int count = 0;           ///< of lanes in use
+  int count = 0;           ///< lanes in use
   bool masked = false;     ///< lanes have `valid` and `holds`
-  void* memory = nullptr;  ///< kKernelMemory bytes, at 64
+  void* memory = nullptr;  ///< kKernelMemory bytes, aligned to 64
 };
 
 inline constexpr std::size_t kKernelCells = std::size_t{kBlockSamples} * kBlockSamples;
-/// Memory of a batch: cells, masks and two planes of codes, 64 bytes each; then two of codes of real numbers, 16
-/// each. Planes are zero where no vertex is, and stay so.
+/// Memory of a batch: cells, masks and two planes of codes, 64 bytes each; then two planes of codes of real numbers, 16
+/// each. Entries without a vertex are always zero.
 inline constexpr std::size_t kKernelPlane = 5718;
 inline constexpr std::size_t kKernelRealPlanes = 64 * (2 * kKernelCells + 2 * kKernelPlane);
 inline constexpr std::size_t kKernelMemory = kKernelRealPlanes + 16 * (2 * kKernelPlane) + 64 * 64;
-/// Heights go through as whole numbers of 32 bits if they are below 2 to this power in their unit, and the unit's
-/// exponent is within that of zero.
+/// Heights can be whole numbers of 32 bits if in their unit they are below 2 to this power, and the unit's exponent is
+/// within kMostUnitExponent of zero.
 inline constexpr int kUnitBits = 29, kMostUnitExponent = 90;
 
-/// The kBlockCells² samples a block owns, all there.
+/// The kBlockCells² samples that a block owns, all inside the field.
 struct OwnSamples {
   const void* heights = nullptr;
   std::ptrdiff_t stride = 0;
-  const std::uint8_t* valid = nullptr;  ///< 1 where a sample counts; null: all do
+  const std::uint8_t* valid = nullptr;  ///< 1: the sample counts; null: all count
   std::ptrdiff_t valid_stride = 0;
 };
-/// How far samples lie from a plane, in floats: lowest and highest by squares of kSlabCells², lowest > highest where
-/// no sample counts.
+/// Lowest and highest distance of samples from a plane, for each square of kSlabCells²; lowest > highest: no sample
+/// counts.
 inline constexpr int kSlabCells = 8, kSlabsAcross = kBlockCells / kSlabCells;
 struct SlabRanges {
   float low[kSlabsAcross * kSlabsAcross], high[kSlabsAcross * kSlabsAcross];
@@ -72,44 +72,44 @@ struct HeightRange {
   double lowest, highest;  ///< lowest > highest: no sample counts
 };
 
-/// Exponents of the lowest and of the highest bit that floats use. Zeros use none: lowest > highest.
+/// Exponents of the lowest and highest bit that floats use. Zeros use none: lowest > highest.
 struct BitsFound {
   int lowest, highest;
 };
 
-/// What is asked of the samples of a type.
+/// Functions over samples of one type.
 struct ShapeKernel {
   HeightRange (*range)(const OwnSamples&);
-  /// The highest sample not above a height, a number of the samples' type, and the lowest above it.
+  /// The highest sample that is not above a height, and the lowest one above it.
   HeightRange (*around)(const OwnSamples&, double height);
-  /// The plane at the block's first sample, and its slopes.
+  /// The plane is its value at the block's first sample, and its slopes.
   void (*slabs)(const OwnSamples&, const float (&plane)[3], SlabRanges&);
 };
 
 struct BlockKernel {
   const char* name;
-  int whole_lanes, real_lanes;  ///< scaled numbers take those of whole ones
-  /// Raises errors by those of blocks of 16-bit whole numbers, of floats and of doubles.
+  int whole_lanes, real_lanes;  ///< blocks in a batch; scaled numbers have as many as whole ones
+  /// Raise the errors of blocks of 16-bit whole numbers, floats, doubles.
   void (*whole)(const Batch&, const LadderTables&);
   void (*floats)(const Batch&, const LadderTables&);
   void (*doubles)(const Batch&, const LadderTables&);
-  /// Of floats and doubles that are multiples of their lane's unit. Returns a bit for each lane whose heights lie too
-  /// far apart for that: nothing of it was raised.
+  /// The same for floats and doubles that are multiples of their lane's unit. Returns a bit for each lane whose heights
+  /// lie too far apart for that; its errors are unchanged.
   std::uint32_t (*scaled_floats)(const Batch&, const LadderTables&);
   std::uint32_t (*scaled_doubles)(const Batch&, const LadderTables&);
   ShapeKernel whole_shape, floats_shape, doubles_shape;
-  /// Of a rectangle. Right if lowest > -150 and highest < 128; else there may be denormals, or what is no number.
+  /// The bits of a rectangle. Valid if lowest > -150 and highest < 128; else there may be denormals, infinity or NaN.
   BitsFound (*bits)(const float* heights, std::ptrdiff_t stride, int cols, int rows);
-  /// How far samples of each slab can be from another plane: `first` apart at the first slab's middle, that much more
-  /// per slab to the right and down. `slack` is added.
+  /// Upper bounds of the distance of each slab's samples from another plane. The planes are `first` apart in the middle
+  /// of the first slab; `right` and `down` are the changes per slab. `slack` is added.
   void (*bounds)(const SlabRanges&, float first, float right, float down, float slack, float* bounds);
-  /// Raises errors where halves are mixed, side 0 in the lower two bits of `holds`, side 1 above: by the code for the
-  /// parity of the place and the side.
+  /// Raises errors where halves are mixed (bits 0 and 1 of `holds`: side 0; bits 2 and 3: side 1) to the code for the
+  /// parity of the position and the side.
   void (*raise_mixed)(std::uint16_t* errors, const std::uint8_t* holds, int count, const std::uint16_t (&codes)[2][2]);
-  /// Saturation of one row: raises those of `count` values that stand at an odd distance from the first by their four
-  /// neighbours; the first and the last have none and stay.
+  /// Saturates one row: raises every second of `count` values, from the second on, to the largest of its four
+  /// neighbours. The first and the last value stay.
   void (*raise_by_neighbours)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);
-  /// Raises every second of `count` values, value i by the values 2i - 1 and 2i + 1 above and below.
+  /// Raises every second of `count` values: value i by the values 2i - 1 and 2i + 1 above and below.
   void (*raise_by_corners)(std::uint16_t* row, const std::uint16_t* above, const std::uint16_t* below, int count);
 };
 

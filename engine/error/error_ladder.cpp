@@ -8,8 +8,8 @@ namespace talus {
 namespace detail {
 
 ErrorLadder::ErrorLadder() {
-  // Whole numbers over a power of ten: each rung is the double nearest to its decimal value, hence equal
-  // to the tolerance a user types.
+  // Whole numbers over a power of ten: each rung is the double nearest to its decimal value, so it equals the tolerance
+  // that a user types.
   for (unsigned n = 0; n <= 40; ++n) metres[n] = n * 25 / 1e7;
   for (unsigned decade = 0; decade < 11; ++decade) {
     const int power = static_cast<int>(decade) - 7;

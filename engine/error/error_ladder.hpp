@@ -1,10 +1,9 @@
 #pragma once
-// Stored errors: sixteen-bit codes on a ladder of decimal values, always rounded up.
+// Stored errors: codes of sixteen bits for fixed decimal values (rungs), always rounded up.
 //
-// Errors of integer heights sit in great numbers exactly on round values, and people ask for round
-// tolerances. A ladder with those values on it keeps ties where they are: at a tolerance on the ladder
-// the stored codes select exactly the vertices the exact errors would. Rungs: 40 steps of 2.5 µm up to
-// 10⁻⁴ m, then 360 a decade (two significant digits and the quarters between) up to 10⁷ m.
+// Many errors of integer heights are exactly round values, and people ask for round tolerances. The ladder has these
+// values, so at a tolerance on it the codes select exactly the same vertices as the exact errors. Rungs: 40 steps of
+// 2.5 µm up to 10⁻⁴ m, then 360 a decade (two significant digits and the quarters between them) up to 10⁷ m.
 
 #include <array>
 #include <bit>
@@ -17,13 +16,13 @@ namespace talus {
 using ErrorCode = std::uint16_t;
 
 inline constexpr ErrorCode kLastFiniteError = 40 + 360 * 11;        ///< 10⁷ m
-inline constexpr ErrorCode kAlwaysSelected = kLastFiniteError + 1;  ///< infinite: root corners
+inline constexpr ErrorCode kAlwaysSelected = kLastFiniteError + 1;  ///< infinite, for root corners
 
 namespace detail {
 
 struct ErrorLadder {
   std::array<double, kAlwaysSelected + 1> metres{};
-  /// The first rung not below each float that ends in sixteen zero bits.
+  /// For each float whose last sixteen bits are zero: the first rung that is not below it.
   std::array<ErrorCode, 0x7f81> first_guess{};
   ErrorLadder();
 };
@@ -31,12 +30,12 @@ extern const ErrorLadder error_ladder;
 
 }  // namespace detail
 
-/// Metres of a code; infinity from kAlwaysSelected on.
+/// The error of a code in metres; infinity from kAlwaysSelected on.
 [[nodiscard]] inline double error_of(ErrorCode code) {
   return detail::error_ladder.metres[code < kAlwaysSelected ? code : kAlwaysSelected];
 }
 
-/// The smallest code whose error is not below `metres` (>= 0; not NaN). A look-up and a few comparisons.
+/// The smallest code whose error is not below `metres` (>= 0, not NaN). A look-up and a few comparisons.
 [[nodiscard]] inline ErrorCode error_code(double metres) {
   assert(metres >= 0);
   const auto& ladder = detail::error_ladder;
@@ -47,7 +46,7 @@ extern const ErrorLadder error_ladder;
   return static_cast<ErrorCode>(code);
 }
 
-/// The largest code whose error is within a tolerance: a vertex is selected iff its code is above it.
+/// The largest code within a tolerance. A vertex is selected if its code is above it.
 [[nodiscard]] ErrorCode largest_code_within(double tolerance_m);
 
 }  // namespace talus

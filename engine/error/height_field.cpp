@@ -12,7 +12,7 @@ CodeSpan view(const Codes& codes) {
 
 CodeDistance::CodeDistance(const HeightStep& step, double metres_per_unit) {
   const double scale = std::abs(step.scale), per_unit = std::round(1 / scale);
-  const bool is_fraction = scale < 1 && std::abs(scale * per_unit - 1) < 3e-16;  // the double nearest to 1/n
+  const bool is_fraction = scale < 1 && std::abs(scale * per_unit - 1) < 3e-16;  // scale is the double nearest to 1/n
   factor_ = (is_fraction ? 1 : scale) * metres_per_unit;
   divisor_ = step.divisor * (is_fraction ? per_unit : 1);
 }
@@ -26,7 +26,7 @@ void BitRange::take(double h) {
   if (h == 0) return;
   const auto bits = std::bit_cast<std::uint64_t>(h);
   const int exponent = static_cast<int>(bits >> 52 & 0x7ff);
-  if (exponent == 0 || exponent == 0x7ff) {  // denormal: let the margin cover it
+  if (exponent == 0 || exponent == 0x7ff) {  // denormal: use the margin
     *this = {-kNone, kNone};
     return;
   }
@@ -41,7 +41,7 @@ void BitRange::take(const BitRange& other) {
 }
 
 bool BitRange::interpolates_exactly(std::int32_t side) const {
-  // Differences and sums of up to three terms need two bits above, division by the side log2(side) below.
+  // Sums and differences of up to three terms need two more bits above, division by the side log2(side) more below.
   const int below = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(side))) + 1;
   return finest > coarsest || coarsest + 3 - (finest - below) <= 53;
 }

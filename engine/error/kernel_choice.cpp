@@ -17,7 +17,7 @@ extern const BlockKernel avx2_block_kernel, avx512_block_kernel;
 
 namespace {
 
-/// Those that run here, the fastest last.
+/// The kernels that this processor can run, the fastest last.
 std::vector<const BlockKernel*> kernels_here() {
   std::vector<const BlockKernel*> kernels{&portable_block_kernel};
 #if defined(__x86_64__)
@@ -41,7 +41,8 @@ const BlockKernel& block_kernel() {
     if (kernel->name == std::string(wanted)) return *kernel;
     names += (names.empty() ? "" : ", ") + std::string(kernel->name);
   }
-  throw Failure(Cause::invalid_argument, fmt::format("TALUS_KERNEL is {}: this machine has {}", wanted, names));
+  throw Failure(Cause::invalid_argument,
+                fmt::format("TALUS_KERNEL is {}: choose one that this machine has: {}", wanted, names));
 }
 
 }  // namespace talus::detail

@@ -1,13 +1,13 @@
 #pragma once
-// Which of the kernels runs here.
+// Chooses the kernel for this processor.
 
 #include "engine/error/block_kernel.hpp"
 
 namespace talus::detail {
 
-/// The fastest that this processor has; the one that the environment variable TALUS_KERNEL names, if it is set:
-/// portable, avx2 or avx512. All give the same bits.
-/// fails  invalid_argument: another word, or one that this processor (or this build) lacks
+/// The fastest kernel of this processor, or the one that the environment variable TALUS_KERNEL names: portable, avx2 or
+/// avx512. All give the same bits.
+/// fails  invalid_argument: TALUS_KERNEL names none, or one that this processor or build lacks
 [[nodiscard]] const BlockKernel& block_kernel();
 
 }  // namespace talus::detail

@@ -1,5 +1,5 @@
 #pragma once
-// One value for every vertex of the finest levels, those just outside the extent included.
+// One value for each vertex of the finest levels, and of a rim around the extent.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,16 +10,15 @@
 
 namespace talus {
 
-/// Arrays by level, each over the vertices of its spacing within four spacings of the extent. That far
-/// reach the ancestors of a vertex inside: descendants of a vertex of spacing s lie within 3s of it.
-/// Memory: 1⅓ values a sample plus a rim.
+/// One array a level, over its vertices within four spacings of the extent. The rim holds all ancestors of inner
+/// vertices, because descendants of a vertex of spacing s lie within 3s of it. Memory: 1⅓ values a sample plus the rim.
 template <class Value>
 class LevelGrid {
  public:
-  /// The extent may lie anywhere, and be empty: then nothing is held.
+  /// The extent may lie anywhere, and may be empty.
   LevelGrid(GridRect extent, int levels, Value initial) { reset(extent, levels, initial); }
 
-  /// As if made anew, in the memory it has.
+  /// The same as a new grid, reusing the memory.
   void reset(GridRect extent, int levels, Value initial) {
     levels_.resize(static_cast<std::size_t>(levels));
     for (int shift = 0; shift < levels; ++shift) {
@@ -36,7 +35,7 @@ class LevelGrid {
   }
 
   [[nodiscard]] int levels() const { return static_cast<int>(levels_.size()); }
-  /// Whether p is of one of the levels and within the rim.
+  /// Whether p belongs to one of the levels and lies within the rim.
   [[nodiscard]] bool holds(GridPoint p) const {
     const int shift = height_in_tree(p);
     return shift < levels() && levels_[static_cast<std::size_t>(shift)].holds(p, shift);
@@ -48,7 +47,7 @@ class LevelGrid {
   }
   [[nodiscard]] const Value& operator[](GridPoint p) const { return const_cast<LevelGrid&>(*this)[p]; }
 
-  /// The vertices of one level in its own units: (col, row) stands for (col << shift, row << shift).
+  /// The vertices of one level in its own units: (col, row) is the grid point (col << shift, row << shift).
   template <class V>
   struct UnitsOf {
     V* values = nullptr;  ///< from (first_col, first_row), row by row
@@ -67,7 +66,7 @@ class LevelGrid {
     return units_of<const Value>(levels_[static_cast<std::size_t>(shift)]);
   }
 
-  /// visit(GridPoint) for each vertex of one level, the centres or the side midpoints, rim included.
+  /// visit(GridPoint) for each vertex of one level, centres or side midpoints, rim included.
   template <class Visit>
   void for_each(int shift, bool centres, Visit&& visit) const {
     const Level& level = levels_[static_cast<std::size_t>(shift)];

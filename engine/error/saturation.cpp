@@ -7,9 +7,9 @@
 namespace talus {
 namespace {
 
-/// Where arithmetic rounds, a margin has lifted every error off zero. If nothing below the vertex has an
-/// error and the vertex itself is exactly the mean of its hypotenuse, then by induction all samples of
-/// the diamond are interpolated exactly.
+/// Whether a vertex's error is exactly 0, where a rounding margin lifted all errors above it. If no descendant has an
+/// error and the vertex is exactly the mean of its hypotenuse, then by induction all samples of the diamond are
+/// interpolated exactly.
 bool is_exactly_zero(const ErrorInput& input, GridPoint p) {
   const HeightField& field = input.field;
   const Diamond d = diamond(p);
@@ -18,7 +18,7 @@ bool is_exactly_zero(const ErrorInput& input, GridPoint p) {
   return halves_exactly(field[d.ends[0]], field[d.ends[1]], field[p]);
 }
 
-/// Side midpoints gather from the centres one level finer, centres from the side midpoints around them.
+/// The children of a side midpoint are centres one level finer; those of a centre are the side midpoints around it.
 class Saturation {
  public:
   Saturation(const ErrorInput& input, LevelGrid<ErrorCode>& errors) : input_(input), errors_(errors) {}
@@ -28,7 +28,7 @@ class Saturation {
     for (int shift = 0; shift < errors_.levels(); ++shift) {
       const Units level = errors_.units(shift);
       const Units finer = shift == 0 ? Units{} : errors_.units(shift - 1);
-      if (shift > 0) gather(shift, level, finer, false);  // finest side midpoints are the finest of all
+      if (shift > 0) gather(shift, level, finer, false);  // finest side midpoints have no children
       gather(shift, level, level, true);
     }
   }
@@ -36,7 +36,7 @@ class Saturation {
  private:
   using Units = LevelGrid<ErrorCode>::Units;
 
-  /// Where nothing rounds, all is maxima of rows; only at the rim, where neighbours may be missing, one by one.
+  /// Without rounding: maxima of whole rows; single vertices at the rim, where neighbours may be missing.
   void run_exact() {
     for (int shift = 0; shift < errors_.levels(); ++shift) {
       const Units level = errors_.units(shift);
@@ -49,9 +49,9 @@ class Saturation {
   }
 
   void raise_sides(const Units& level, const Units& finer, std::int32_t row) const {
-    const int parity = (row & 1) != 0 ? 0 : 1;  // of columns with side midpoints
+    const int parity = (row & 1) != 0 ? 0 : 1;  // parity of the columns with side midpoints
     const std::int32_t begin = level.first_col + ((level.first_col ^ parity) & 1);
-    // Those with all corners.
+    // Columns with all four corners.
     std::int32_t first = std::max(begin, (finer.first_col + 2) >> 1),
                  last = std::min(level.last_col, (finer.last_col - 1) >> 1);
     first += (first ^ parity) & 1;
@@ -68,7 +68,7 @@ class Saturation {
   }
 
   void raise_centres(const Units& level, std::int32_t row) const {
-    const std::int32_t first = (level.first_col + 1) & ~1;  // before the first that has all neighbours
+    const std::int32_t first = (level.first_col + 1) & ~1;  // just before the first with all neighbours
     if (row == level.first_row || row == level.last_row || first + 2 > level.last_col) {
       for (std::int32_t col = level.first_col | 1; col <= level.last_col; col += 2) raise_centre(level, col, row);
       return;
@@ -100,7 +100,7 @@ class Saturation {
     }
   }
 
-  /// Beyond the rim every error is zero.
+  /// Outside the rim every error is zero.
   static ErrorCode at(const Units& u, std::int32_t col, std::int32_t row) {
     return u.holds(col, row) ? u.at(col, row) : ErrorCode{0};
   }

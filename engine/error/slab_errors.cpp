@@ -1,9 +1,9 @@
-// Errors of the vertices whose triangles are larger than a block.
+// Errors of vertices whose triangles are larger than a block.
 //
-// A block's shape is a plane near its samples and, for each 8×8 of them (a slab), the range of their distances from
-// it. Against a triangle's plane a shape bounds how far any of its samples can be: first all of a block, then
-// slab by slab. The block with the highest bound is looked at first, then only blocks, slabs in them and samples in
-// these whose bound exceeds the largest distance so far: the result is exact, most samples are never touched.
+// The shape of a block is a plane near its samples and, for each slab of 8×8 samples, the range of their distances from
+// the plane. From a shape follows an upper bound of the distance of any sample from a triangle's plane: first for the
+// block, then for each slab. The block with the highest bound is searched first, then only blocks, slabs and samples
+// whose bound exceeds the largest distance so far. The result is exact, and most samples are never read.
 
 #include "engine/error/slab_errors.hpp"
 
@@ -94,7 +94,7 @@ class Shapes {
     return range.highest > middle && near.highest - middle < middle - near.lowest ? near.highest : near.lowest;
   }
 
-  /// Least squares over every 8th sample of every 8th row.
+  /// A least-squares fit to every 8th sample of every 8th row.
   static void fit(const OwnSamples& samples, HeightRange range, BlockShape& shape) {
     double n = 0, x = 0, y = 0, h = 0, xx = 0, xy = 0, yy = 0, xh = 0, yh = 0;
     const double base = range.lowest + (range.highest - range.lowest) / 2;
@@ -127,7 +127,7 @@ class Shapes {
     constexpr float kHalf = kBlockSide / 2;
     const float plane[3] = {shape.middle - kHalf * shape.right - kHalf * shape.down, shape.right, shape.down};
     kernel_.slabs(samples, plane, shape.slabs);
-    // Floats round at 2⁻²⁴ of what they hold, a handful of times.
+    // A few float roundings, each at most 2⁻²⁴ of the number.
     const double largest =
         std::max(std::abs(range.lowest), std::abs(range.highest)) + std::abs(static_cast<double>(shape.middle)) +
         kBlockSide * (std::abs(static_cast<double>(shape.right)) + std::abs(static_cast<double>(shape.down)));
@@ -185,7 +185,7 @@ class Distances {
     GridPoint block;
     double bound;
   };
-  /// What tilts between a block's plane and the triangle's.
+  /// The difference between a block's plane and the triangle's.
   struct Gap {
     double at_centre, right, down;
   };
@@ -197,7 +197,7 @@ class Distances {
     return {static_cast<double>(shape.middle) - on_triangle, static_cast<double>(shape.right) - plane_.right,
             static_cast<double>(shape.down) - plane_.down};
   }
-  /// Bounds hold for their own rounding, too.
+  /// Adds the rounding of the bound itself.
   [[nodiscard]] static double with_rounding(double bound, const Gap& gap) {
     return bound + 1e-12 * (1 + std::abs(gap.at_centre) + bound);
   }
@@ -216,14 +216,14 @@ class Distances {
     constexpr double kHalf = (kSlabCells - 1) / 2.0;
     const double tilt = kHalf * (std::abs(gap.right) + std::abs(gap.down));
     const double first = gap.at_centre + (gap.right + gap.down) * (kHalf - kBlockSide / 2);
-    // In floats, which round at 2⁻²⁴ of what they hold, a handful of times.
+    // In floats: a few roundings, each at most 2⁻²⁴ of the number.
     const double spread = std::abs(gap.at_centre) + kBlockSide * (std::abs(gap.right) + std::abs(gap.down)) +
                           static_cast<double>(shape.above) + static_cast<double>(shape.below);
     std::array<float, kSlabsAcross * kSlabsAcross> bounds;
     kernel_.bounds(shape.slabs, static_cast<float>(first), static_cast<float>(gap.right * kSlabCells),
                    static_cast<float>(gap.down * kSlabCells), static_cast<float>(tilt + spread * 0x1p-20 + 1e-30),
                    bounds.data());
-    // Only slabs with samples of the triangle; the highest bound first.
+    // Slabs with samples of the triangle only; the highest bound first.
     std::array<std::size_t, kSlabsAcross * kSlabsAcross> inside;
     std::size_t count = 0, best = 0;
     const GridRect own{corner, {corner.col + kBlockSide - 1, corner.row + kBlockSide - 1}};
@@ -255,7 +255,7 @@ class Distances {
       const std::int32_t last = std::min({first.col + kSlabCells - 1, field_.extent.last.col, hi});
       if (from > last) continue;
       std::size_t i = field_.index({from, row});
-      if (last - from == kSlabCells - 1 && field_.valid.empty()) {  // eight maxima that do not wait for each other
+      if (last - from == kSlabCells - 1 && field_.valid.empty()) {  // eight independent maxima
         const Code* heights = &heights_[i];
         const double first_col = from - plane_.col;
         for (std::size_t k = 0; k < kSlabCells; ++k) {
@@ -274,14 +274,13 @@ class Distances {
     largest = std::max(largest, *std::max_element(farthest.begin(), farthest.end()));
   }
 
-  /// visit(square) for each square of 1 << shift samples, by its column and row, that owns samples of the closed
-  /// triangle.
+  /// visit(square), by column and row, for each square of 1 << shift samples that owns samples of the closed triangle.
   template <class Visit>
   static void for_each_square(const HalfDiamond& t, int shift, GridRect within, Visit&& visit) {
     const std::int32_t side = 1 << shift;
     for (std::int32_t y = std::max(t.top(), within.first.row) >> shift;
          y <= std::min(t.bottom(), within.last.row) >> shift; ++y) {
-      // The triangle's width changes linearly from row to row but for one row.
+      // The triangle's width changes linearly from row to row, except at one row.
       const std::int32_t first = std::max(t.top(), y * side), last = std::min(t.bottom(), y * side + side - 1);
       auto [lo, hi] = t.columns(first);
       for (const std::int32_t row : {last, std::clamp(t.vertex.row, first, last)}) {

@@ -47,7 +47,7 @@ double reference_half_error(const ErrorInput& input, GridPoint vertex, int side)
 
 namespace {
 
-/// What a sum of two doubles lost by rounding.
+/// The rounding error of a sum of two doubles.
 double lost_in_sum(double a, double b) {
   const double sum = a + b, back = sum - a;
   return (a - (sum - back)) + (b - back);
@@ -60,7 +60,7 @@ bool halves_exactly(double a, double b, double m) { return a + b == 2 * m && los
 double finest_error(double height, double end, double other_end, const CodeDistance& distance) {
   const double sum = end + other_end, middle = sum / 2;
   const double metres = distance.metres(std::abs(height - middle));
-  // Halving rounds the smallest numbers only.
+  // Halving rounds only the smallest numbers.
   const bool rounded = lost_in_sum(end, other_end) != 0 || lost_in_sum(height, -middle) != 0 || 2 * middle != sum;
   return rounded ? metres + kRoundingMargin : metres;
 }

@@ -11,10 +11,10 @@
 namespace talus {
 namespace {
 
-/// The samples of an extent at most `reach` columns and rows away.
+/// The samples of an extent within `reach` columns and rows.
 GridRect around(GridRect extent, GridPoint p, std::int32_t reach) { return common(grown({p, p}, reach), extent); }
 
-/// The valid sample nearest to the middle of the range of all in a rectangle, the lower of two; none if there are none.
+/// The valid sample nearest to the middle of the range of a rectangle, the lower of two; empty: none is valid.
 template <class Code>
 std::optional<Code> middle_sample(GridRect extent, std::span<const std::uint8_t> valid, std::span<const Code> heights,
                                   GridRect part) {
@@ -59,11 +59,11 @@ std::optional<Code> fill_at(GridRect extent, std::span<const std::uint8_t> valid
 
 namespace {
 
-constexpr std::uint8_t kFirst = 3, kSecond = 12;  // bits of side 0 and of side 1
+constexpr std::uint8_t kFirst = 3, kSecond = 12;  // bits of side 0 and side 1
 
-/// Builds what the halves hold level by level, row by row. A half holds what its two children hold; those of a side
-/// midpoint are split at the centres one level finer, those of a centre at the side midpoints around it. A half
-/// that leaves the extent keeps nothing.
+/// Computes what halves hold, level by level and row by row. A half holds what its two children hold. Those of a side
+/// midpoint are split at centres one level finer, those of a centre at the side midpoints around it. A half that leaves
+/// the extent holds nothing.
 class HalvesOfRows {
  public:
   using Units = LevelGrid<std::uint8_t>::Units;
@@ -86,11 +86,11 @@ class HalvesOfRows {
   }
 
  private:
-  /// What two finest triangles are, one valid or not and the other.
+  /// What a half of two finest triangles holds; each is 1 (valid) or 0.
   static constexpr std::uint8_t held(unsigned one, unsigned other) {
     return static_cast<std::uint8_t>((one | other) | ((one & other) ^ 1u) << 1);
   }
-  /// 0xff where a column is odd, or even.
+  /// 0xff for columns of this parity, else 0.
   static constexpr std::uint8_t only(std::int32_t col, int parity) {
     return static_cast<std::uint8_t>(((col ^ parity) & 1) - 1);
   }
@@ -101,7 +101,7 @@ class HalvesOfRows {
     const std::uint8_t* above = row > extent_.first.row ? here - cols : here;
     const std::uint8_t* below = row < extent_.last.row ? here + cols : here;
     std::uint8_t* to = &level.at(extent_.first.col, row);
-    const int parity = (row & 1) != 0 ? 0 : 1;  // of columns with side midpoints
+    const int parity = (row & 1) != 0 ? 0 : 1;  // parity of the columns with side midpoints
     const std::int32_t first = extent_.first.col;
     const auto settle = [&](std::ptrdiff_t i, unsigned west, unsigned east) {
       const unsigned v = here[i], n = above[i], s = below[i];
@@ -161,7 +161,7 @@ class HalvesOfRows {
 
   GridRect extent_;
   std::span<const std::uint8_t> valid_;
-  GridPoint first_, last_;  // vertices of the level within the extent
+  GridPoint first_, last_;  // vertices of the level in the extent
 };
 
 }  // namespace
@@ -190,12 +190,12 @@ Holds VoidMap::finest(Triangle t) const {
 Holds VoidMap::triangle(Triangle t) const {
   if (spacing(t.apex) == 1 && !is_centre(t.apex)) return finest(t);
   const GridPoint split = midpoint(t.left, t.right);
-  if (!halves_.holds(split)) return kNothing;  // farther out than any ancestor of data
+  if (!halves_.holds(split)) return kNothing;  // outside the reach of all ancestors of data
   return half(split, diamond(split).apexes[0] == t.apex ? 0 : 1);
 }
 
 std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
-  // Two of them make up each half: where both halves are all data, or all void, so are the triangles.
+  // Two triangles make up each half: if both halves are all data, or all void, so are the triangles.
   if (halves_.holds(vertex)) {
     const std::uint8_t halves = halves_[vertex];
     if (halves == (kData | kData << 2)) return 15;
@@ -211,7 +211,7 @@ std::uint8_t VoidMap::apex_triangles_with_data(GridPoint vertex) const {
       return finest_apex_triangles(&valid_[index_in(extent_, vertex)], static_cast<std::ptrdiff_t>(extent_.cols()),
                                    kind);
     }
-    const int finer = centre ? shift : shift - 1;  // the level of the vertices that split them
+    const int finer = centre ? shift : shift - 1;  // level of the vertices that split them
     const auto level = halves_.units(finer);
     const std::uint8_t* at = &level.at(vertex.col >> finer, vertex.row >> finer);
     const std::array<ApexHalf, 4> triangles = apex_halves(kind);
@@ -239,18 +239,18 @@ bool has_data_near(GridRect extent, std::span<const std::uint8_t> valid, GridPoi
 
 namespace {
 
-/// Whether a triangle with data can have a void vertex as its corner. All its finest triangles being void, one of
-/// spacing 1 never can.
+/// Whether a triangle with data can have this void vertex as a corner. At spacing 1 none can: all finest triangles of
+/// the vertex are void.
 bool is_needed(GridRect extent, const VoidMap& voids, GridPoint p) {
   const int shift = height_in_tree(p);
   if (shift == 0) return false;
   if (shift >= voids.levels()) return true;
-  // Its apex triangles make up both its halves, but a half that leaves the extent holds nothing.
+  // Its apex triangles make up both halves, but a half that leaves the extent holds nothing.
   const std::int32_t s = 1 << shift;
   if (extent.contains({p.col - s, p.row - s}) && extent.contains({p.col + s, p.row + s})) {
     return ((voids.half(p, 0) | voids.half(p, 1)) & kData) != 0;
   }
-  // Where they leave the extent, smaller triangles that have it at an end of their hypotenuse may still lie within.
+  // Near the side of the extent, smaller triangles with the vertex at an end of the hypotenuse may still lie inside.
   return true;
 }
 

@@ -13,10 +13,10 @@
 namespace talus {
 namespace {
 
-/// KEYWORD[value, value, ...]: a value is text, a number, a word or another node.
+/// KEYWORD[value, value, ...]: a value is a text, a number, a word or another node.
 struct Node {
   std::string keyword;              ///< in capitals
-  std::vector<std::string> values;  ///< those that are no nodes, in their order, without quotes
+  std::vector<std::string> values;  ///< values that are not nodes, in order, without quotes
   std::vector<Node> nodes;
 
   template <std::size_t N>
@@ -28,7 +28,7 @@ struct Node {
     }
     return nullptr;
   }
-  /// The same anywhere below, the nearest level of the first branch first.
+  /// The same at any depth: a node's children first, then the first branch.
   template <std::size_t N>
   [[nodiscard]] const Node* descendant(const std::array<std::string_view, N>& keywords) const {
     if (const Node* found = child(keywords)) return found;
@@ -90,7 +90,7 @@ class Parser {
     ++at_;
     return true;
   }
-  /// A keyword or a number.
+  /// Reads a keyword or a number.
   [[nodiscard]] std::string word() {
     space();
     std::string out;
@@ -102,7 +102,7 @@ class Parser {
     }
     return out;
   }
-  /// Two quotes inside stand for one.
+  /// Reads a text in quotes; two quotes inside stand for one.
   [[nodiscard]] std::optional<std::string> quoted() {
     std::string out;
     for (++at_; at_ < text_.size(); ++at_) {
@@ -137,7 +137,7 @@ bool is_one_of(const std::string& word, const std::array<std::string_view, N>& w
   return false;
 }
 
-/// The part that says what x and y are.
+/// The node that defines x and y.
 const Node* horizontal_part(const Node& root) {
   const Node* part = &root;
   for (int i = 0; i < 4; ++i) {
@@ -156,7 +156,7 @@ const Node* horizontal_part(const Node& root) {
   return part;
 }
 
-/// Of the first axis, in the unit of the standard: radians or metres.
+/// The unit of the first axis, in the standard's unit: radians or metres.
 std::optional<double> unit_of(const Node& part, std::string_view kind) {
   const std::array<std::string_view, 2> units{kind, "UNIT"};
   const Node* unit = part.child(units);

@@ -1,5 +1,5 @@
 #pragma once
-// What the text of a CRS says, read without a library: streams carry the text alone.
+// Reads the text of a CRS without PROJ, because a stream contains only this text.
 
 #include <string_view>
 
@@ -7,9 +7,9 @@
 
 namespace talus {
 
-/// Reads WKT 1 and WKT 2 of projected, geographic and compound coordinate systems.
+/// The facts in WKT 1 or WKT 2 of a projected, geographic or compound CRS.
 ///
-/// returns  the defaults of CrsFacts, with the name if there is one, for text that it does not understand
+/// returns  for a text that it does not understand: default CrsFacts, with the name if there is one
 /// cost     linear; brackets nested deeper than 64 are not understood
 [[nodiscard]] CrsFacts facts_of_wkt(std::string_view wkt);
 

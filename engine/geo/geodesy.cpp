@@ -55,7 +55,7 @@ Metres GroundScale::longest_side(GridPoint a, GridPoint b, GridPoint c) const {
 
 Metres length_in_degrees(Position from, Position to, Metres radius, double flattening) {
   const GeographicLib::Ellipsoid ellipsoid(radius.value, flattening);
-  // Gauss' rule with five points over pieces of at most a degree is exact to far below a micrometre.
+  // Gauss quadrature with five points on pieces of at most one degree: the error is far below a micrometre.
   constexpr std::array<double, 5> kAt{-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
                                       0.9061798459386640};
   constexpr std::array<double, 5> kWeight{0.2369268850561891, 0.4786286704993665, 0.5688888888888889,

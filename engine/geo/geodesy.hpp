@@ -1,5 +1,5 @@
 #pragma once
-// Ground sizes of cells.
+// Sizes of cells and lengths of lines on the ground.
 
 #include <vector>
 
@@ -7,33 +7,33 @@
 
 namespace talus {
 
-/// Of one cell on the ground, in metres.
+/// The size of one cell on the ground, in metres.
 struct CellSize {
   double width = 1, height = 1;
 };
 
-/// How large cells are on the ground, row by row: what a triangle's sides measure in metres.
+/// The sizes of cells on the ground, row by row.
 class GroundScale {
  public:
-  /// Cells of one size everywhere, in metres.
+  /// All cells have the same size.
   [[nodiscard]] static GroundScale planar(Metres cell_width, Metres cell_height);
-  /// Cells in degrees on an ellipsoid (equatorial radius in metres, flattening); beyond a pole counts as the pole.
+  /// Cells in degrees on an ellipsoid (equatorial radius, flattening); a latitude beyond a pole counts as the pole.
   [[nodiscard]] static GroundScale geographic(const GridMapping& degrees, GridRect extent, Metres radius,
                                               double flattening);
 
-  /// Of a row; beyond those of the extent that of the nearest.
+  /// The cell size of a row; outside the extent that of the nearest row.
   [[nodiscard]] CellSize cell(std::int32_t row) const;
-  /// At least the longest side of a triangle, with cells as large as they get on its rows.
+  /// An upper bound of the longest side of a triangle: it uses the largest cells on the triangle's rows.
   [[nodiscard]] Metres longest_side(GridPoint a, GridPoint b, GridPoint c) const;
 
  private:
   std::int32_t first_row_ = 0;
-  std::vector<double> width_m_, height_m_;  // by row; one entry: the same everywhere
+  std::vector<double> width_m_, height_m_;  // by row; one entry: the same for all rows
   std::int32_t widest_row_ = 0;
 };
 
-/// Metres along a line that is straight in degrees, over an ellipsoid of an equatorial radius and flattening; x is the
-/// longitude. That is no geodesic. A latitude beyond a pole counts as the pole.
+/// Metres along a line that is straight in degrees, on an ellipsoid; x is the longitude. The line is not a geodesic. A
+/// latitude beyond a pole counts as the pole.
 [[nodiscard]] Metres length_in_degrees(Position from, Position to, Metres radius, double flattening);
 
 }  // namespace talus

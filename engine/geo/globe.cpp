@@ -23,7 +23,7 @@ Globe::Globe(const CrsFacts& crs, Position origin, double height_m) : Globe(crs)
   const double longitude = origin.x * crs.degrees_per_unit, latitude = origin.y * crs.degrees_per_unit;
   if (!(std::abs(latitude) <= 90)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("origin {}, {}: expected a latitude between the poles", origin.x, origin.y));
+                  fmt::format("origin {}, {}: the latitude must be between the poles", origin.x, origin.y));
   }
   frames_->local.emplace(latitude, longitude, height_m, frames_->earth);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Points on the ellipsoid as coordinates from the centre of the Earth, and from a point on it.
+// Points on the ellipsoid in metres: from the centre of the Earth (ECEF), or east, north and up from an origin.
 
 #include <array>
 #include <memory>
@@ -10,17 +10,16 @@ namespace talus {
 
 class Globe {
  public:
-  /// Counts from the centre of the Earth.
-  /// crs  geographic
+  /// Coordinates from the centre of the Earth. The CRS must be geographic.
   explicit Globe(const CrsFacts& crs);
-  /// Counts from a point: east, north and up.
+  /// Coordinates from an origin: east, north, up.
   /// fails  invalid_argument: a latitude beyond a pole
   Globe(const CrsFacts& crs, Position origin, double height_m);
   ~Globe();
   Globe(const Globe&) = delete;
   Globe& operator=(const Globe&) = delete;
 
-  /// position  in units of the CRS
+  /// position  longitude and latitude in units of the CRS
   [[nodiscard]] std::array<double, 3> at(Position position, double height_m) const;
 
  private:

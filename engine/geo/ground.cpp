@@ -7,7 +7,7 @@ namespace talus {
 double Ground::full_turn() const {
   if (!crs_.is_geographic) return 0;
   const double turn = 360 / crs_.degrees_per_unit, whole = std::nearbyint(turn);
-  return std::abs(turn - whole) < 1e-6 ? whole : turn;  // the unit in radians is rounded
+  return std::abs(turn - whole) < 1e-6 ? whole : turn;  // the unit in radians was rounded
 }
 
 double Ground::metres(Position from, Position to) const {

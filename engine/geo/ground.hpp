@@ -1,5 +1,5 @@
 #pragma once
-// Lengths on the ground, from what a CRS says of its units and its ellipsoid.
+// Lengths on the ground, from the units and the ellipsoid of a CRS.
 
 #include "engine/geo/geodesy.hpp"
 #include "talus/description.hpp"
@@ -12,15 +12,15 @@ class Ground {
 
   /// Coordinates are longitude and latitude.
   [[nodiscard]] bool is_geographic() const { return crs_.is_geographic; }
-  /// Once around the globe in units of the CRS: 360 where they are degrees, 400 where they are gon. 0: not geographic.
+  /// One turn around the globe in units of the CRS: 360 for degrees, 400 for gon. 0: not geographic.
   [[nodiscard]] double full_turn() const;
   /// Metres in a unit of a CRS that is not geographic.
   [[nodiscard]] double metres_per_unit() const { return crs_.metres_per_unit; }
 
-  /// Length of the straight line between two positions. Geographic: see length_in_degrees.
+  /// The length of the straight line between two positions; geographic: see length_in_degrees.
   [[nodiscard]] double metres(Position from, Position to) const;
 
-  /// Ground sizes of the cells of a raster. Ingest and verify get the same numbers from it, bit for bit.
+  /// The cell sizes of a raster. Ingest and verify get the same numbers, bit for bit.
   [[nodiscard]] GroundScale scale_of(const GridMapping& mapping, GridRect extent) const;
 
  private:

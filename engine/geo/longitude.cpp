@@ -11,8 +11,8 @@
 namespace talus {
 namespace {
 
-constexpr double kOnLine = 1e-6;  // of a cell: beside a line of samples
-constexpr double kFarOut = 1e6;   // turns: beyond, doubles do not tell degrees apart
+constexpr double kOnLine = 1e-6;  // of a cell: closer than this counts as on the line
+constexpr double kFarOut = 1e6;   // turns: a double cannot hold degrees that far out
 
 }  // namespace
 
@@ -24,7 +24,7 @@ Position Longitudes::among(Position p, GridRect rect) const {
   for (const double margin : {kOnLine, 0.5}) {
     const double west = x(rect.first.col - margin), east = x(rect.last.col + margin);
     if (p.x >= west && p.x <= east) return p;
-    // The easternmost writing that is not beyond the east: if any lies inside, it does.
+    // The easternmost equivalent longitude that is not east of the rectangle. If one lies inside, it is this one.
     const double moved = p.x - std::ceil((p.x - east) / turn_) * turn_;
     if (moved >= west && moved <= east) return {moved, p.y};
   }
@@ -36,7 +36,7 @@ std::vector<Position> Longitudes::short_way(std::span<const Position> line) cons
   if (turn_ == 0) return way;
   for (std::size_t i = 1; i < way.size(); ++i) {
     const double turns = (way[i - 1].x - way[i].x) / turn_;
-    // Half a turn is as far on both ways: it stays as it is written.
+    // Half a turn is equally far both ways: keep it as it is.
     if (std::abs(turns) > 0.5 && std::isfinite(turns)) way[i].x += std::ceil(turns - 0.5) * turn_;
   }
   return way;
@@ -62,7 +62,7 @@ Rectangle Longitudes::among(const Rectangle& asked) const {
   const double west = x(extent_.first.col), east = x(extent_.last.col);
   if (box.xmax - box.xmin >= turn_)  // all longitudes
     return {west - mapping_.dx / 2, box.ymin, east + mapping_.dx / 2, box.ymax};
-  // Of the writings those that have a cell or more of the raster.
+  // The equivalents of the box that share a cell or more with the raster.
   struct Part {
     double shift, west, east;
   };
@@ -80,7 +80,7 @@ Rectangle Longitudes::among(const Rectangle& asked) const {
     const Part &first = parts.front(), &second = parts.back();
     throw Failure(
         Cause::invalid_argument,
-        fmt::format("rectangle {},{},{},{} lies at both ends of the raster: ask for {},{},{},{} and for {},{},{},{}",
+        fmt::format("rectangle {},{},{},{} meets both ends of the raster: ask for {},{},{},{} and for {},{},{},{}",
                     asked.xmin, asked.ymin, asked.xmax, asked.ymax, first.west, asked.ymin, first.east, asked.ymax,
                     second.west, asked.ymin, second.east, asked.ymax));
   }

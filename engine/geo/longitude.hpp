@@ -1,5 +1,5 @@
 #pragma once
-// Longitudes that differ by a full turn name one place: a question may write either.
+// Longitudes that differ by a full turn are the same place, and a question may use any of them.
 
 #include <span>
 #include <vector>
@@ -10,27 +10,24 @@ namespace talus {
 
 class Longitudes {
  public:
-  /// Any other CRS has no turn: all stays as it is written.
-  /// turn  360 where the unit is degrees; 0: not geographic
+  /// turn  units of a full turn, 360 for degrees; 0: not geographic, and every function returns its argument
   Longitudes(double turn, const Description& description);
   explicit Longitudes(const Description& description);
 
   [[nodiscard]] double turn() const { return turn_; }
 
-  /// A point as the samples of a rectangle are written, where it lies among them or half a cell beside; else as it is.
+  /// The equivalent of p that lies in a rectangle of samples or within half a cell of it; p itself if none does.
   [[nodiscard]] Position among(Position p, GridRect rect) const;
 
-  /// Each next point on the turn nearest to the one before, so that the line goes the short way.
+  /// A line that goes the shorter way around the globe from each point to the next.
   [[nodiscard]] std::vector<Position> short_way(std::span<const Position> line) const;
 
-  /// What must be added to the x of a straight line from one x to another so that some of it lies among the samples of
-  /// a rectangle: a multiple of the turn, 0 among them; more than one where the rectangle goes around the globe. Where
-  /// there is none, 0.
+  /// Multiples of the turn to add to the x of a line so that part of it lies in a rectangle of samples. More than one
+  /// if the rectangle goes around the globe; 0 if there is none.
   [[nodiscard]] std::vector<double> shifts(double from, double to, GridRect rect) const;
 
-  /// A box as the samples of the extent are written. One whose xmin is above its xmax goes across the antimeridian, if
-  /// that is at most half a turn. fails  invalid_argument: a box at both ends of a raster that goes around the globe;
-  /// names the two to ask for
+  /// The equivalent of a box in the extent. xmin > xmax is a box across the antimeridian, at most half a turn wide.
+  /// fails  invalid_argument: the box meets both ends of a raster around the globe; the sentence names both parts
   [[nodiscard]] Rectangle among(const Rectangle& box) const;
 
  private:

@@ -1,8 +1,8 @@
 #pragma once
-// What gcc is told about the processor: loops compiled several times, and the instruction that counts bits.
+// Macros for gcc: compile a loop for several processors, and use the instruction that counts bits.
 
-// TALUS_CLONES and TALUS_BIT_CLONES in front of a function compile it several times; the widest version that the
-// processor has is taken. Use them only for whole-number and exact arithmetic, so that all versions give the same bits.
+// A function with TALUS_CLONES or TALUS_BIT_CLONES is compiled several times; at run time the widest version that the
+// processor supports is used. Only for whole-number and exact arithmetic, so that all versions give the same bits.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define TALUS_CLONES [[gnu::target_clones("default", "avx2", "avx512f")]]
@@ -12,8 +12,8 @@
 #define TALUS_BIT_CLONES
 #endif
 
-// Counting bits is half of the work with ranks. A function marked TALUS_POPCNT is compiled with the processor's
-// instruction for it; call it only if has_popcnt() says so. Mark what it calls TALUS_INLINE, or nothing is gained.
+// A function with TALUS_POPCNT uses the instruction that counts bits (half of the work with ranks). Call it only if
+// has_popcnt(). Mark the functions that it calls TALUS_INLINE, otherwise nothing is gained.
 #if defined(__GNUC__) && defined(__x86_64__)
 #define TALUS_INLINE [[gnu::always_inline]] inline
 #define TALUS_POPCNT [[gnu::target("popcnt")]]

@@ -14,7 +14,7 @@ std::string_view to_string(Cause cause) {
     case Cause::too_large: return "too large";
     case Cause::out_of_memory: return "out of memory";
   }
-  return "unknown cause";  // a number from a later version, handed through the C interface
+  return "unknown cause";  // a number of a later version, from the C interface
 }
 
 }  // namespace talus

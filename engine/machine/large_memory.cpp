@@ -15,7 +15,7 @@ constexpr std::size_t rounded(std::size_t bytes) { return (bytes + kHugePage - 1
 
 }  // namespace
 
-// Not from malloc: what that hands out again may lie in small pages already.
+// malloc is not used: it may return memory that already has small pages.
 void* detail::allocate_large(std::size_t bytes) {
   if (bytes > SIZE_MAX / 2) throw std::bad_alloc();
   void* memory = bytes >= kLarge ? map_large_pages(rounded(bytes)) : std::malloc(std::max<std::size_t>(bytes, 1));

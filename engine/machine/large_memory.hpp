@@ -1,6 +1,6 @@
 #pragma once
-// Memory for arrays as large as the raster. Touching tens of megabytes page by page costs as much as computing what
-// goes in (bench_engine, BM_ErrorsAndSaturation/side:4097); where the system hands out pages of 2 MiB, ask for them.
+// Memory for arrays as large as the raster. The first write to each page of 4 KiB costs as much as computing what is
+// written (bench_engine, BM_ErrorsAndSaturation/side:4097), so these ask the system for pages of 2 MiB.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace talus {
 
-/// A wish: nothing depends on it.
+/// Asks for large pages. The system may ignore it.
 inline void ask_for_large_pages(void* memory, std::size_t bytes) {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
   constexpr std::size_t kPage = 4096;
@@ -27,7 +27,7 @@ inline void ask_for_large_pages(void* memory, std::size_t bytes) {
 #endif
 }
 
-/// Fresh memory of whole large pages, aligned to them, straight from the system; null if there is none.
+/// Memory in whole large pages, aligned to them; null: none is free.
 inline void* map_large_pages(std::size_t bytes) {
   constexpr std::size_t kHugePage = std::size_t{2} << 20;
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
@@ -52,8 +52,8 @@ inline void unmap_large_pages(void* memory, std::size_t bytes) {
 #endif
 }
 
-/// Room in a vector for a number of values, and some more: tiles and panels inside a raster are larger than those at
-/// its corner that come first. What it held may be lost.
+/// Reserves room for `count` values and a quarter more, because later tiles and panels are larger than the first one.
+/// The old values may be lost.
 template <class T, class Allocator>
 void make_room(std::vector<T, Allocator>& values, std::size_t count) {
   if (values.capacity() >= count) return;
@@ -62,7 +62,7 @@ void make_room(std::vector<T, Allocator>& values, std::size_t count) {
   ask_for_large_pages(values.data(), values.capacity() * sizeof(T));
 }
 
-/// For memory that is given out piece by piece and freed as a whole.
+/// A source of memory for containers that allocate piece by piece and free everything at once.
 class LargePages final : public std::pmr::memory_resource {
   void* do_allocate(std::size_t bytes, std::size_t alignment) override;
   void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override;

@@ -1,5 +1,5 @@
 #pragma once
-// One piece of work on several threads.
+// Runs independent tasks on several threads.
 
 #include <algorithm>
 #include <atomic>
@@ -11,13 +11,13 @@
 
 namespace talus {
 
-/// 0 stands for all that the machine has.
+/// 0: as many as the machine has.
 [[nodiscard]] inline int threads_or_all(int threads) {
   return threads == 0 ? std::max(1, static_cast<int>(std::thread::hardware_concurrency())) : std::max(1, threads);
 }
 
-/// Calls work(who, task) for each task from 0 to count − 1, begun in this order; `who` is the number of the thread,
-/// from 0, which is the caller's. After the first that throws no task is begun, and the caller gets what it threw.
+/// Calls work(who, task) for the tasks 0 to count − 1, starting them in this order. `who` is the number of the thread;
+/// 0 is the caller's. After an exception no further task starts, and the caller gets the first exception.
 template <class Work>
 void for_each_task(int threads, std::size_t count, Work&& work) {
   if (threads <= 1 || count <= 1) {

@@ -17,34 +17,34 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What keeps later arithmetic inside its types, whatever the bytes say.
+/// Refuses values that would overflow later arithmetic.
 void require_plausible(const Manifest& m) {
   const auto refuse = [](const char* what) { throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", what)); };
   const Description& d = m.description;
   const auto within = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
   if (!within(d.extent.first.col) || !within(d.extent.first.row) || !within(d.extent.last.col) ||
       !within(d.extent.last.row) || d.extent.cols() < 1 || d.extent.rows() < 1) {
-    refuse("impossible extent");
+    refuse("the extent is empty or too large");
   }
-  if (m.bands != band_count(d.extent)) refuse("number of bands does not fit the extent");
+  if (m.bands != band_count(d.extent)) refuse("the number of bands does not match the extent");
   for (const double v :
        {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor, d.step.offset,
         d.metres_per_unit, d.crs.metres_per_unit, d.crs.degrees_per_unit, d.crs.equatorial_radius, d.crs.flattening,
         d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
-    if (!std::isfinite(v)) refuse("a number that is none");
+    if (!std::isfinite(v)) refuse("a number is not finite");
   }
   if (d.error_kind == ErrorKind::nested && d.error_metric == ErrorMetric::perpendicular)
-    refuse("nested errors that are perpendicular");
-  if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("a negative loss");
+    refuse("nested errors cannot be perpendicular");
+  if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("the loss or the finest tolerance is negative");
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
-    refuse("number of coarsest pages does not fit the extent");
-  if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("impossible grid mapping");
+    refuse("the number of coarsest pages does not match the extent");
+  if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("the cells of the grid need dx > 0 and dy < 0");
   if (d.crs.metres_per_unit <= 0 || d.crs.degrees_per_unit <= 0 || d.crs.flattening >= 1 ||
       (d.crs.is_geographic && d.crs.equatorial_radius <= 0)) {
-    refuse("impossible coordinate system");
+    refuse("the units or the ellipsoid of the CRS are impossible");
   }
   if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0)
-    refuse("impossible height step");
+    refuse("the height step, the vertical unit or the void weight is out of range");
 }
 
 /// A whole number of its type: the JSON library alone would cut 2³² + 1 to 1.
@@ -54,7 +54,7 @@ Int whole(const Json& json) {
   if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<Int>(json.get<std::int64_t>()))
     return json.get<Int>();
   throw Failure(Cause::corrupt,
-                fmt::format("corrupt: header: {}: expected a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
+                fmt::format("corrupt: header: {} is not a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
 }
 
 }  // namespace
@@ -105,8 +105,7 @@ Description description_of(const Json& json) {
   d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
   if (!json.contains("crs")) {
     throw Failure(Cause::unsupported,
-                  "the header does not say what the coordinate system means: an earlier Talus made this database; "
-                  "ingest the source again");
+                  "an earlier Talus made this database, without the facts about its CRS: ingest the source again");
   }
   const Json& crs = json.at("crs");
   d.crs_wkt = crs.at("wkt");
@@ -142,26 +141,30 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
   Manifest m;
   try {
     if (!json.is_object() || !json.contains("talus"))
-      throw Failure(Cause::corrupt, "corrupt: header: not a Talus header");
+      throw Failure(Cause::corrupt, "corrupt: header: this is not a Talus database");
     if (const int version = whole<int>(json.at("talus")); version != kFormatVersion) {
       throw Failure(Cause::unsupported,
-                    fmt::format("format version {}, this program reads version {}; ingest the source again or use "
-                                "the program that made the database",
+                    fmt::format("the database has format version {}, this program reads version {}: ingest the source "
+                                "again, or use the program that made it",
                                 version, kFormatVersion));
     }
     const Json& layout = json.at("layout");
     if (layout.at("band_levels") != kBandLevels || layout.at("page_side") != kPageSide) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("pages of {} samples and bands of {} levels, this program reads {} and {}",
-                                whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")), kPageSide,
-                                kBandLevels));
+      throw Failure(
+          Cause::unsupported,
+          fmt::format("the database has pages of {} samples and bands of {} levels, this program reads {} and "
+                      "{}: ingest the source again, or use the program that made it",
+                      whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")), kPageSide,
+                      kBandLevels));
     }
     const Json& errors = json.at("errors");
     const auto kind = error_kind_named(errors.at("kind").get<std::string>());
     const auto metric = error_metric_named(errors.at("metric").get<std::string>());
     if (!kind || !metric) {
-      throw Failure(Cause::unsupported, fmt::format("errors of kind {} and metric {}, which this program does not know",
-                                                    errors.at("kind").dump(), errors.at("metric").dump()));
+      throw Failure(Cause::unsupported,
+                    fmt::format("the database has errors of kind {} and metric {}, which this program does not know: "
+                                "use the program that made it",
+                                errors.at("kind").dump(), errors.at("metric").dump()));
     }
     m.description = description_of(json);
     m.description.error_kind = *kind;
@@ -212,7 +215,7 @@ Provenance decode_provenance(std::span<const std::byte> bytes) {
       const std::string digits = s.at("xxh3");
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), source.checksum, 16);
       if (error != std::errc{} || end != digits.data() + digits.size())
-        throw Failure(Cause::corrupt, "corrupt: provenance: a checksum that is none");
+        throw Failure(Cause::corrupt, "corrupt: provenance: a checksum is not a hexadecimal number");
       p.sources.push_back(std::move(source));
     }
     p.made_by = json.at("made_by");

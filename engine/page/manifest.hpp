@@ -1,5 +1,5 @@
 #pragma once
-// The header of a database: what ingest writes and query reads. docs/format/v2.md has the fields.
+// The header of a database. docs/format/v2.md has its fields.
 
 #include <cstddef>
 #include <span>
@@ -15,19 +15,20 @@ inline constexpr int kFormatVersion = 2;
 struct Manifest {
   Description description;
   int bands = kFewestBands;      ///< see page_layout.hpp
-  std::uint32_t generation = 0;  ///< updates so far
-  /// Generations of the pages of the coarsest band, in curve order (pages_of_band); those of others their parents know.
+  std::uint32_t generation = 0;  ///< number of updates
+  /// Generations of the coarsest band's pages, in the order of pages_of_band. Those of other pages are in child
+  /// entries.
   std::vector<std::uint32_t> top_generations;
 };
 
-/// Text that lasts: one JSON object, numbers as they round-trip.
+/// One JSON object as text; numbers are read back bit for bit.
 [[nodiscard]] std::vector<std::byte> encode(const Manifest& manifest);
 
-/// fails  corrupt: not such an object, or values no database has; unsupported: another version or page layout
+/// fails  corrupt: not such an object, or impossible values; unsupported: another version or page layout
 [[nodiscard]] Manifest decode_manifest(std::span<const std::byte> bytes);
 
-/// The same for what only `info` reads. It stands at its own position of the header table: with ten thousand sources it
-/// is no longer short.
+/// The same for the provenance. It has its own position of the header table, because ten thousand sources make it long
+/// and only `info` reads it.
 [[nodiscard]] std::vector<std::byte> encode(const Provenance& provenance);
 [[nodiscard]] Provenance decode_provenance(std::span<const std::byte> bytes);
 

@@ -16,13 +16,13 @@ constexpr int kStateBits = 10;
 constexpr std::uint32_t kStates = 1u << kStateBits;
 
 // ---- tokens ----------------------------------------------------------------------------------------
-// Numbers below 16 are their own token; above, a token is the highest bit and the one below it.
+// A number below 16 is its own token. For larger ones the token is the highest bit and the one below it.
 
 constexpr int kPlainTokens = 16;
 constexpr int kTokens = kPlainTokens + 2 * 60 + 1;
-constexpr int kEscape = kTokens - 1;  ///< of a number too unlikely for a state: 6 bits of length, then its bits
+constexpr int kEscape = kTokens - 1;  ///< for numbers too unlikely for a state: 6 bits of length, then the bits
 constexpr std::uint8_t kEscapeBits = 0xff;
-constexpr int kLongestFast = 16;  ///< bits below a token that are read without looking twice
+constexpr int kLongestFast = 16;  ///< most bits below a token in the fast path
 
 struct Token {
   int token = 0, bits = 0;
@@ -43,9 +43,9 @@ constexpr Token token_at(int token) {
 }
 
 // ---- distributions ---------------------------------------------------------------------------------
-// Distribution t has about the mean 2^(t/2) / 64. Nine tenths are half of a logistic one, which fits residuals better
-// than a geometric one does (0.01 bits a sample), and the rest a wide geometric one, so that large numbers are less
-// of a surprise (0.03 bits). All in whole numbers, so that every machine has the same.
+// Distribution t has a mean of about 2^(t/2) / 64. Nine tenths of it are half of a logistic distribution, which fits
+// residuals better than a geometric one (0.01 bits a sample); the rest is a wide geometric one, which makes large
+// numbers cheaper (0.03 bits). All arithmetic is whole numbers, so every machine has the same tables.
 
 using Wide = unsigned __int128;
 constexpr std::uint64_t kOne = std::uint64_t{1} << 62;
@@ -61,14 +61,14 @@ constexpr std::uint64_t power(std::uint64_t base, std::uint64_t exponent) {
   return result;
 }
 
-/// Geometric with mean m / 2^20: the chance that a number is one more than it is already.
+/// The ratio of a geometric distribution with mean m / 2^20.
 constexpr std::uint64_t ratio_of_mean(std::uint64_t m) {
   return static_cast<std::uint64_t>(static_cast<Wide>(m) * kOne / (m + (1u << 20)));
 }
 
 using Counts = std::array<std::uint16_t, kTokens>;
 
-/// How many of the states each token has. Sum: kStates.
+/// The number of states of each token. They sum up to kStates.
 Counts counts_of(int t) {
   const std::uint64_t mean = ((t & 1) != 0 ? 23170u : 16384u) * (std::uint64_t{1} << (t / 2));  // · 2^-20
   const std::uint64_t narrow = ratio_of_mean(mean / 8 * 5), wide = ratio_of_mean(2 * mean);
@@ -92,7 +92,7 @@ Counts counts_of(int t) {
     sum += count;
     if (counts[i] > counts[largest]) largest = i;
   }
-  // What rounding added or took is the likeliest token's, one state at a time where it is no longer that.
+  // Rounding changed the sum: correct the likeliest token, one state at a time.
   for (; sum < kStates; ++sum) ++counts[largest];
   for (; sum > kStates; --sum) --*std::max_element(counts.begin(), counts.end());
   return counts;
@@ -100,7 +100,7 @@ Counts counts_of(int t) {
 
 // ---- tables ----------------------------------------------------------------------------------------
 
-/// Reading from a state: the number is `base` and `low_bits` more bits, the next state `next` and `bits` more.
+/// Reading from a state: the number is `base` plus `low_bits` bits, the next state is `next` plus `bits` bits.
 struct Step {
   std::uint32_t base;
   std::uint16_t next;
@@ -111,9 +111,9 @@ struct Tables {
   std::array<std::array<Step, kStates>, kDistributions> steps;  ///< for reading, by state
   struct Writing {
     struct PerToken {
-      std::uint16_t count = 0;  ///< states it has
-      std::int16_t first = 0;   ///< of them in `states`, less the count
-      std::int16_t shed = 0;    ///< bits to write, or one less
+      std::uint16_t count = 0;  ///< number of its states
+      std::int16_t first = 0;   ///< index of the first one in `states`, minus the count
+      std::int16_t shed = 0;    ///< bits to write, or one more than needed
     };
     std::array<PerToken, kTokens> tokens;
     std::array<std::uint16_t, kStates> states;
@@ -152,18 +152,18 @@ struct Tables {
       w.states[static_cast<std::size_t>(w.tokens[token].first) + x] = static_cast<std::uint16_t>(state);
       const Token t_at = token_at(static_cast<int>(token));
       step.low_bits = token == kEscape ? kEscapeBits : static_cast<std::uint8_t>(t_at.bits);
-      // A longer number's base follows from its low_bits and its half.
+      // The base of a longer number follows from its low_bits and its half.
       step.base =
           step.low_bits > kLongestFast ? static_cast<std::uint32_t>(token & 1) : static_cast<std::uint32_t>(t_at.first);
     }
   }
 
-  /// -256·log2(count / kStates) and the bits below the token.
+  /// -256·log2(count / kStates), plus the bits below the token.
   static std::uint16_t cost_of(std::uint32_t count, std::size_t token) {
-    if (count == 0) return 80 * 256;  // an escape: about
+    if (count == 0) return 80 * 256;  // approximate cost of an escape
     std::uint64_t x = std::uint64_t{count} << (31 - (std::bit_width(count) - 1));
     int fraction = 0;
-    for (int i = 0; i < 8; ++i) {  // the logarithm bit by bit
+    for (int i = 0; i < 8; ++i) {  // the logarithm, bit by bit
       x = x * x >> 31;
       fraction *= 2;
       if (x >> 32) fraction += 1, x >>= 1;
@@ -178,7 +178,7 @@ const Tables& tables() {
   return *made;
 }
 
-/// Bits written from the last to the first: they come out in the order they are read in. Into memory that grows.
+/// Writes bits from the last to the first, so that they are read in order. The memory grows.
 class BackwardBits {
  public:
   explicit BackwardBits(std::vector<std::byte>& buffer) : buffer_(buffer), at_(buffer.size()) {}
@@ -187,7 +187,7 @@ class BackwardBits {
     count_ += count;
     if (count_ >= 32) flush();
   }
-  /// The bytes, and how many of the first one's low bits mean nothing.
+  /// The bytes, and the number of unused low bits in the first one.
   std::pair<std::span<const std::byte>, int> finish() {
     const int idle = (8 - count_ % 8) % 8;
     held_ <<= idle;
@@ -220,10 +220,10 @@ class BackwardBits {
   int count_ = 0;
 };
 
-using Choice = std::array<std::uint8_t, kContexts>;  ///< of distributions
+using Choice = std::array<std::uint8_t, kContexts>;  ///< distribution of each context
 constexpr std::uint8_t kUnused = 0xff;
 
-/// The cheapest of the distributions around the one that has the mean.
+/// The cheapest distribution of each context, near the one with its mean.
 Choice choose(std::span<const std::uint64_t> numbers, std::span<const std::uint8_t> contexts) {
   const auto counts = std::make_unique<std::array<std::array<std::uint32_t, kTokens>, kContexts>>();
   std::array<std::uint32_t, kContexts> highest{};
@@ -237,7 +237,7 @@ Choice choose(std::span<const std::uint64_t> numbers, std::span<const std::uint8
   for (std::size_t c = 0; c < kContexts; ++c) {
     if (highest[c] == 0) continue;
     const std::span<const std::uint32_t> seen((*counts)[c].data(), highest[c]);
-    double sum = 0, many = 0;  // the mean only finds where to look
+    double sum = 0, many = 0;  // for the mean, which is only the start of the search
     for (std::size_t token = 0; token < seen.size(); ++token) {
       const Token t = token_at(static_cast<int>(token));
       sum += static_cast<double>(seen[token]) *
@@ -299,7 +299,7 @@ void NumberWriter::finish(std::vector<std::byte>& out) {
     }
     s = w.states[static_cast<std::size_t>(to.first + static_cast<int>(x >> shed))];
   }
-  // Head: which contexts are in use, a distribution each, the states and the idle bits.
+  // Head: the contexts in use, a distribution for each, the states and the number of unused bits.
   const auto byte = [&](std::uint64_t v) { out.push_back(static_cast<std::byte>(v & 0xff)); };
   for (std::size_t c = 0; c < kContexts; c += 8) {
     unsigned used = 0;
@@ -354,14 +354,14 @@ void NumberReader::start(std::span<const std::byte> bytes) {
 
 namespace {
 
-/// Where the next bits are. Beyond the end they are zeros.
+/// The position of the next bits. Bits after the end are zeros.
 struct TokenBits {
   const std::byte* bytes;
   std::size_t size;
   std::uint64_t position;
   std::uint64_t held = 0;
 
-  [[gnu::always_inline]] void refill() {  // at least 56 bits
+  [[gnu::always_inline]] void refill() {  // to at least 56 bits
     std::memcpy(&held, bytes + std::min<std::uint64_t>(position >> 3, size), 8);
     if constexpr (std::endian::native == std::endian::big) held = __builtin_bswap64(held);
     held >>= position & 7;
@@ -374,7 +374,7 @@ struct TokenBits {
   }
 };
 
-/// A number whose token has many bits below it, or is an escape. Leaves the step's own bits to read.
+/// Reads a number with many bits below its token, or an escape. The step's own bits stay unread.
 [[gnu::noinline]] std::uint64_t take_long(TokenBits& bits, const Step& step) {
   bits.refill();
   unsigned count = step.low_bits;
@@ -394,7 +394,7 @@ struct TokenBits {
   return base + low;
 }
 
-/// Four numbers, or one, at a time; `state` are those whose turn it is.
+/// Reads one number, or four in turn. `state` begins with the state whose turn it is.
 template <class Number>
 [[gnu::always_inline]] inline void take_numbers(TokenBits& from, const Step* const* steps, std::uint32_t* state,
                                                 std::span<const std::uint8_t> contexts, Number* numbers) {
@@ -436,7 +436,7 @@ void NumberReader::get_many(std::span<const std::uint8_t> contexts, Number* numb
   const Step* steps[kContexts];
   for (std::size_t c = 0; c < kContexts; ++c) steps[c] = tables().steps[distribution_[c]].data();
   TokenBits bits{bytes_.data(), size_, position_};
-  // Whose turn it is stays the same after four numbers.
+  // After four numbers it is the same state's turn again.
   std::uint32_t state[4];
   for (unsigned k = 0; k < 4; ++k) state[k] = state_[(turn_ + k) % 4];
   const std::size_t whole = contexts.size() / 4 * 4;

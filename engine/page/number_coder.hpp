@@ -1,13 +1,12 @@
 #pragma once
-// Whole numbers, mostly small ones, as bits: a static tANS coder with fixed distributions.
+// A coder for mostly small whole numbers: static tANS with fixed distributions. docs/format has the bits.
 //
-// Every number is put under a context, a small integer that says what kind of number it is and how large it
-// may be; both sides know it. For each context the writer names the one of kDistributions that fits best, so
-// a page carries one byte a context and no tables. A number becomes a token (its leading bits), coded with
-// as many bits as the token is unlikely, and the bits below them as they are. Four states take turns, so that
-// a processor works on four numbers at once. docs/format has the bits.
+// Each number has a context, a small integer that both sides know: the kind of the number and its likely size. The
+// writer chooses the best of kDistributions for each context, so a page has one byte a context and no tables. A number
+// becomes a token (its leading bits), which costs as many bits as it is unlikely, and the bits below. Four states take
+// turns, so that a processor works on four numbers at once.
 //
-// source  asymmetric numeral systems, J. Duda, arXiv:1311.2540; the table's spread is that of Zstandard's FSE
+// source  asymmetric numeral systems, J. Duda, arXiv:1311.2540; the spread of the table is that of Zstandard's FSE
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +18,7 @@ namespace talus {
 inline constexpr int kContexts = 96;
 inline constexpr int kDistributions = 96;
 
-/// Collects numbers, then writes them all.
+/// Collects numbers, then writes all of them.
 class NumberWriter {
  public:
   void put(std::uint64_t number, int context);
@@ -28,30 +27,30 @@ class NumberWriter {
     numbers_.insert(numbers_.end(), numbers, numbers + contexts.size());
     contexts_.insert(contexts_.end(), contexts.begin(), contexts.end());
   }
-  /// Appends what was put to `out`. Nothing may follow it there.
+  /// Appends all numbers to `out`. Nothing may follow them there.
   void finish(std::vector<std::byte>& out);
-  /// About how many bits the numbers of contexts from `first` up to `end` take. For measurements.
+  /// Approximate size in bits of the numbers with contexts `first` to `end` - 1. For measurements.
   [[nodiscard]] double bits(int first, int end) const;
-  /// Forgets what was put, keeps the memory.
+  /// Removes all numbers, but keeps the memory.
   void clear() { numbers_.clear(), contexts_.clear(); }
 
  private:
   std::vector<std::uint64_t> numbers_;
   std::vector<std::uint8_t> contexts_;
-  std::vector<std::byte> backward_;  ///< memory of finish
+  std::vector<std::byte> backward_;  ///< reused by finish
 };
 
-/// Gives them back one by one, or many at once. Whatever the bytes are, every call returns some number and reads
-/// nothing out of bounds; is_intact() tells at the end.
+/// Reads the numbers. With damaged bytes every call still returns a number and reads nothing out of bounds; is_intact()
+/// says at the end whether they were damaged.
 class NumberReader {
  public:
-  /// `bytes` all that finish() wrote. Copied.
+  /// bytes  everything that finish() wrote; copied
   void start(std::span<const std::byte> bytes);
   [[nodiscard]] std::uint64_t get(int context);
-  /// The same for one number a context; numbers beyond 32 bits are cut off.
+  /// One number for each context; bits beyond 32 are cut off in the first form.
   void get(std::span<const std::uint8_t> contexts, std::uint32_t* numbers);
   void get(std::span<const std::uint8_t> contexts, std::uint64_t* numbers);
-  /// All bits were read, and no others.
+  /// Whether exactly all bits were read.
   [[nodiscard]] bool is_intact() const;
 
  private:
@@ -59,7 +58,7 @@ class NumberReader {
   void get_many(std::span<const std::uint8_t> contexts, Number* numbers, Take&& take);
 
   std::vector<std::byte> bytes_;
-  std::size_t size_ = 0;        // of the bits, in bytes; zeros follow
+  std::size_t size_ = 0;        // in bytes; zeros follow
   std::uint64_t position_ = 0;  // in bits
   std::uint32_t state_[4]{};
   unsigned turn_ = 0;

@@ -62,7 +62,7 @@ enum Flag : std::uint8_t {
   kAllFlags = 63
 };
 
-/// Which errors are implied, and in what arithmetic.
+/// Which errors are implied, and in which arithmetic.
 enum class Implied : std::uint8_t { none = 0, finest = 1, whole = 2, exact = 3 };
 
 // Contexts of the parts of a page.
@@ -70,7 +70,7 @@ constexpr int kVoidsFrom = kHeightContexts, kCoversFrom = kVoidsFrom + kVoidCont
               kErrorsFrom = kCoversFrom + kCoverContexts, kChildrenFrom = kErrorsFrom + kErrorContexts;
 static_assert(kChildrenFrom + 5 <= kContexts);
 
-/// Numbers that differ from the base by less than this are narrow: 32 bits do for predictions and errors.
+/// Numbers closer to the base than this are narrow: predictions and errors fit in 32 bits.
 constexpr std::int64_t kNarrow = 1 << 24;
 
 std::int64_t minus(std::int64_t a, std::int64_t b) {
@@ -89,7 +89,7 @@ void put(std::vector<std::byte>& out, Int value) {
   for (std::size_t i = 0; i < sizeof(Int); ++i) out.push_back(static_cast<std::byte>(value >> (8 * i) & 0xff));
 }
 
-/// Where the samples of a page's grid stand in its square.
+/// The position of a page's samples in its square.
 struct Placement {
   explicit Placement(const PageGrid& grid)
       : cols(grid.cols),
@@ -118,7 +118,7 @@ struct Placement {
   }
 };
 
-/// What reading and writing share: errors that follow from heights.
+/// Errors that follow from heights, for reading and writing.
 struct ErrorsOfHeights {
   ImpliedErrors<std::int32_t> whole;
   ImpliedErrors<double> exact;
@@ -126,7 +126,7 @@ struct ErrorsOfHeights {
   std::vector<std::int32_t> eighths;
   std::vector<std::uint8_t> valid;
 
-  /// Fills page.eighths or page.distances. `narrow`: the numbers of the square, less the base, if there are any.
+  /// Fills page.eighths or page.distances. `narrow`: the numbers of the square minus the base, if there are any.
   void imply(Implied kind, const std::vector<std::int32_t>& narrow, Page& page) {
     const Placement place(page.grid);
     page.eighths.clear();
@@ -156,7 +156,7 @@ struct ErrorsOfHeights {
   }
 };
 
-/// 1 where the height is stored: data, or a corner of a triangle with data, and not dropped. Empty: everywhere.
+/// 1 where the height is stored: a valid sample, or a corner of a triangle with data, that is not dropped. Empty: all.
 void mark_needed(const Page& page, std::vector<std::uint8_t>& needed) {
   needed.clear();
   if (page.valid.empty() && !page.drops_heights) return;
@@ -213,7 +213,7 @@ bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
 // ---- writing ---------------------------------------------------------------------------------------
 
 struct PageEncoder::Scratch {
-  Page page;  ///< as the reader will see it
+  Page page;  ///< as the reader will have it
   std::vector<std::int64_t> numbers, wide_square;
   std::vector<std::int32_t> narrow_square;
   std::vector<std::uint8_t> needed, coded;
@@ -223,7 +223,7 @@ struct PageEncoder::Scratch {
   StoredErrors stored;
   NumberWriter out;
 
-  /// Heights that the reader does not have yet when it reads errors are left out.
+  /// Copies the page without the heights that the reader does not have yet when it reads errors.
   void begin(const Page& given) {
     page.id = given.id;
     page.bands = given.bands;
@@ -238,13 +238,13 @@ struct PageEncoder::Scratch {
     page.errors.assign(given.grid.size(), 0);
   }
 
-  /// The first kind whose every error is the one that ingest computed.
+  /// The first kind that gives every error exactly as ingest computed it.
   Implied find_implied(const Page& given, Coding coding, bool is_narrow, const CodeDistance& distance) {
     const auto fits = [&](Implied kind) {
       errors_of.imply(kind, narrow_square, page);
       for (std::size_t i = 0; i < given.errors.size(); ++i) {
         if (!page.is_implied(i)) continue;
-        // error_code(metres) == code, without the search.
+        // The same as error_code(metres) == code, without the search.
         const double metres = distance.metres(page.implied_distance(i));
         const ErrorCode code = given.errors[i];
         if (!(metres <= error_of(code)) || (code > 0 && metres <= error_of(static_cast<ErrorCode>(code - 1))))
@@ -266,7 +266,7 @@ struct PageEncoder::Scratch {
     return Implied::none;
   }
 
-  /// Interpolation over a block of 8² rounds nowhere.
+  /// Whether interpolation over a block of 8² never rounds.
   [[nodiscard]] bool is_exact(const Page& given) const {
     BitRange bits;
     for (std::size_t i = 0; i < given.heights.size(); ++i) {
@@ -388,8 +388,8 @@ struct PageDecoder::Scratch {
     if (coding < Coding::float_bits) return;
     for (std::size_t i = 0; i < page.heights.size(); ++i) {
       if (std::isfinite(page.heights[i])) continue;
-      if (needed.empty() || needed[i] != 0) corrupt("a height that is no number");
-      page.heights[i] = 0;  // a void that nothing needs, between bits of both signs
+      if (needed.empty() || needed[i] != 0) corrupt("a height is not a finite number");
+      page.heights[i] = 0;  // a void that nothing needs, predicted from bits of both signs
     }
   }
 };
@@ -409,25 +409,25 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
   page.extent = extent;
   const Placement place(page.grid);
   const std::size_t n = page.grid.size();
-  if (bytes.size() < kHeader) s.corrupt("ends early");
+  if (bytes.size() < kHeader) s.corrupt("it ends too early");
   const auto byte = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
-  if (byte(0) != kVersion) s.corrupt("unknown version");
+  if (byte(0) != kVersion) s.corrupt("its version is unknown");
   const unsigned coding_byte = byte(1), flags = byte(2), implied = byte(3);
-  if (coding_byte >= kCodings) s.corrupt("unknown coding of heights");
+  if (coding_byte >= kCodings) s.corrupt("its coding of heights is unknown");
   const auto coding = static_cast<Coding>(coding_byte);
   if ((flags & ~unsigned{kAllFlags}) != 0 ||
       ((flags & (kHasVoids | kInnerCoversFollow)) != 0 && (flags & kHasCovers) == 0))
-    s.corrupt("impossible flags");
+    s.corrupt("its flags contradict each other");
   if (((flags & kHasChildren) != 0) != (id.band > 0))
-    s.corrupt("table of pages below where none belongs, or none where one does");
+    s.corrupt("child entries are missing, or a page of band 0 has some");
   s.implied = static_cast<Implied>(implied);
   page.drops_heights = (flags & kDropsHeights) != 0;
   if (implied > 3 || (implied != 0 && (id.band > 0 || n == 0 || page.drops_heights)) ||
       (s.implied == Implied::whole && (coding != Coding::whole || (flags & kIsNarrow) == 0)))
-    s.corrupt("impossible kind of implied errors");
+    s.corrupt("its kind of implied errors is impossible");
   if ((byte(4) | byte(5) << 8) != static_cast<unsigned>(page.grid.cols) ||
       (byte(6) | byte(7) << 8) != static_cast<unsigned>(page.grid.rows))
-    s.corrupt("wrong size");
+    s.corrupt("its size does not match the extent");
   std::uint64_t base = 0;
   for (std::size_t i = 0; i < 8; ++i) base |= std::uint64_t{byte(8 + i)} << (8 * i);
   s.in.start(bytes.subspan(kHeader));
@@ -446,12 +446,12 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
     page.covers.resize(n);
     if (!get_covers(id, bands, page.grid, page.valid, (flags & kInnerCoversFollow) != 0, page.covers, kCoversFrom,
                     s.in))
-      s.corrupt("impossible triangles around a vertex");
+      s.corrupt("the triangles around a vertex are impossible");
   }
   if (page.drops_heights) {
     page.heights.clear();
     page.errors.assign(n, 0);
-    if (!s.stored.get(page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+    if (!s.stored.get(page, distance, kErrorsFrom, s.in)) s.corrupt("an error is larger than any possible one");
   }
   mark_needed(page, s.needed);
   std::span<const std::uint8_t> coded;
@@ -475,7 +475,7 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
     s.wide_levels->get(s.wide_square, coded, place.present(), s.in);
     s.heights_of(s.wide_square, static_cast<std::int64_t>(base), coding);
   }
-  if ((flags & kHasChildren) != 0 && !get_children(page.children, s.in)) s.corrupt("impossible table of pages below");
+  if ((flags & kHasChildren) != 0 && !get_children(page.children, s.in)) s.corrupt("its child entries are wrong");
 }
 
 const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
@@ -491,9 +491,9 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, const Cod
   s.errors_of.imply(s.implied, s.narrow_square, s.page);
   if (!s.page.drops_heights) {
     s.page.errors.assign(s.page.grid.size(), 0);
-    if (!s.stored.get(s.page, distance, kErrorsFrom, s.in)) s.corrupt("an error beyond the ladder");
+    if (!s.stored.get(s.page, distance, kErrorsFrom, s.in)) s.corrupt("an error is larger than any possible one");
   }
-  if (!s.in.is_intact()) s.corrupt("bits missing or left over");
+  if (!s.in.is_intact()) s.corrupt("it has too few or too many bits");
   return s.page;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// One page in memory, and the bytes it becomes. docs/format has the bytes; page_heights, page_errors, page_voids and
-// number_coder are its parts.
+// One page in memory and as bytes. docs/format has the bytes; page_heights, page_errors, page_voids and number_coder
+// code the parts.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,38 +14,38 @@
 
 namespace talus {
 
-/// What a page knows of one of the pages below it, so that those with nothing to give are never read.
+/// What a page knows of one of its child pages, so that questions read only those that they need.
 struct ChildEntry {
-  bool present = false;           ///< it is stored; one that holds voids only is not
-  ErrorCode largest = 0;          ///< saturated error of any vertex in it or in pages below it
+  bool present = false;           ///< it is stored; false: it has voids only
+  ErrorCode largest = 0;          ///< largest saturated error in it and in pages below it
   float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; +inf and -inf: voids only
-  std::uint32_t generation = 0;   ///< the update that wrote it last
+  std::uint32_t generation = 0;   ///< the last update that wrote it
   friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
 };
 
-/// What the page above both must know: the larger error, the wider range of heights, the later generation.
+/// One entry for both: the larger error, the joined range of heights, the later generation.
 [[nodiscard]] ChildEntry joined(const ChildEntry& a, const ChildEntry& b);
 
 struct Page {
   PageId id;
-  int bands = 1;  ///< of the database: the coarsest holds all vertices above it, too
+  int bands = 1;  ///< bands of the database; the coarsest also holds all levels above
   PageGrid grid;
   std::vector<double> heights;  ///< height codes, row by row
-  /// Saturated; 0 for vertices of coarser bands. To be encoded: of all own vertices. Decoded: 0 where implied.
+  /// Saturated; 0 for vertices of coarser bands. For encoding: of all own vertices. Decoded: 0 where implied.
   std::vector<ErrorCode> errors;
-  /// Of a decoded page: errors that follow from its heights (engine/page/page_errors.hpp), exact and on no ladder, as
-  /// distances in height codes; -1 elsewhere. One of the two, in eighths where heights are whole numbers, or neither:
-  /// then nothing is implied. A vertex is selected iff distance or code is above the tolerance's.
+  /// Decoded: errors that follow from heights (engine/page/page_errors.hpp) as exact distances in height codes; -1
+  /// where there is none. In eighths if heights are whole numbers. Both empty: no error is implied. A vertex is
+  /// selected if its distance or code is above that of the tolerance.
   std::vector<std::int32_t> eighths;
   std::vector<double> distances;
-  std::vector<std::uint8_t> valid;   ///< 1 where the sample is data; empty: all are
+  std::vector<std::uint8_t> valid;   ///< 1: valid, 0: void; empty: all are valid
   std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
   std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
 
-  /// Heights of own vertices with error 0 are not stored, save near the border: they lie on the surface that the others
-  /// make, and a reader finds them there (KeptHeights). Decoded they are anything.
+  /// Heights of own vertices with error 0 are not stored, except near the border: they lie on the surface of the
+  /// others, and KeptHeights computes them. Decoded, they are unspecified.
   bool drops_heights = false;
-  GridRect extent{{0, 0}, {-1, -1}};  ///< of all data; says where the border is, where heights are dropped
+  GridRect extent{{0, 0}, {-1, -1}};  ///< extent of the database, whose border matters if heights are dropped
 
   [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
@@ -55,29 +55,29 @@ struct Page {
     return index(here.col, here.row);
   }
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
-  /// Of a page with errors, encoded or decoded.
+  /// For a page with errors, encoded or decoded.
   [[nodiscard]] bool is_dropped(std::int32_t col, std::int32_t row) const {
     const GridPoint p = grid.at(col, row);
     return drops_heights && errors[index(col, row)] == 0 && is_own(p) && !is_near_border(p, extent);
   }
-  /// Of a decoded page.
+  /// For a decoded page.
   [[nodiscard]] bool is_implied(std::size_t i) const {
     return eighths.empty() ? !distances.empty() && distances[i] >= 0 : eighths[i] >= 0;
   }
-  /// In height codes, of an implied vertex.
+  /// Error of an implied vertex in height codes.
   [[nodiscard]] double implied_distance(std::size_t i) const {
     return eighths.empty() ? distances[i] : eighths[i] / 8.0;
   }
-  /// The code of any own vertex, stored or implied.
+  /// Error code of an own vertex, stored or implied.
   [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {
     return is_implied(i) ? error_code(distance.metres(implied_distance(i))) : errors[i];
   }
 };
 
-/// An entry with the range of a page's valid heights (those it holds, if some were dropped), and no error yet.
+/// An entry with the range of the page's valid stored heights, without an error.
 [[nodiscard]] ChildEntry range_of(const Page& page, const HeightStep& step);
 
-/// Writes pages one after the other with the same memory.
+/// Encodes pages one after the other, reusing its memory.
 class PageEncoder {
  public:
   PageEncoder();
@@ -85,16 +85,15 @@ class PageEncoder {
   PageEncoder(PageEncoder&&) noexcept;
   PageEncoder& operator=(PageEncoder&&) noexcept;
 
-  /// Lossless: decode(encode(page)) is page, heights bit for bit, but for heights of voids that no triangle needs and
-  /// those that the page drops.
-  /// What `errors` of a page says is never changed: an error is implied only if what follows from the heights is
-  /// that very code. Pure: the same page gives the same bytes anywhere.
+  /// decode(encode(page)) is the page, heights bit for bit, except heights that the page drops or that are void and not
+  /// needed by a triangle. An error is implied only if the heights give exactly its code. The same page always has the
+  /// same bytes.
   ///
   /// distance  from height codes to metres, as in decode
   /// cost      about 12 ns a sample
   [[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance);
 
-  /// About how many bits the parts of the last page took. For measurements.
+  /// Approximate sizes of the parts of the last page in bits. For measurements.
   struct Parts {
     double heights = 0, errors = 0, voids = 0, children = 0;
   };
@@ -108,7 +107,7 @@ class PageEncoder {
 /// The same for a single page.
 [[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance);
 
-/// Reads pages one after the other into the same memory.
+/// Decodes pages one after the other, reusing its memory.
 class PageDecoder {
  public:
   PageDecoder();
@@ -116,20 +115,20 @@ class PageDecoder {
   PageDecoder(PageDecoder&&) noexcept;
   PageDecoder& operator=(PageDecoder&&) noexcept;
 
-  /// The page, until the next call.
+  /// The page, valid until the next call.
   ///
-  /// fails  corrupt: anything the bytes of a page of this id and extent cannot be. Memory never exceeds
-  ///        what a page of kPageSide² samples takes, whatever the bytes say.
+  /// fails  corrupt: bytes that cannot be a page of this id and extent. Memory never exceeds that of a page of
+  ///        kPageSide² samples
   /// cost   about 4 ns a sample
   [[nodiscard]] const Page& decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
                                    std::span<const std::byte> bytes);
-  /// Without the errors, which stay empty unless heights were dropped by them, and unchecked.
+  /// The page without errors, unchecked. If heights were dropped, it has the errors that say which.
   [[nodiscard]] const Page& decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
                                            std::span<const std::byte> bytes);
 
  private:
   struct Scratch;
-  /// All but errors that follow from heights, or come behind them.
+  /// Everything except errors that follow from heights or are stored after them.
   void decode_most(PageId id, GridRect extent, int bands, const CodeDistance& distance,
                    std::span<const std::byte> bytes);
   std::unique_ptr<Scratch> scratch_;

@@ -9,7 +9,7 @@
 namespace talus {
 namespace {
 
-/// A grid of up to 64² numbers of one level with a rim: one number before, two behind.
+/// A grid of up to 64² numbers of one level with a rim: one number before, two after.
 constexpr std::ptrdiff_t kStride = 80, kBefore = 8;
 constexpr std::size_t kGrid = static_cast<std::size_t>(kStride) * 68;
 constexpr int kHalf = kPageSide / 2;
@@ -22,7 +22,7 @@ constexpr Number* row_of(Number* grid, int row) {
   return grid + (row + 1) * kStride + kBefore;
 }
 
-/// Rows and columns of a level's grid, from first up to end.
+/// A part of a level's grid: columns first_col to end_col - 1, rows alike.
 struct PagePiece {
   int first_col, end_col, first_row, end_row;
 
@@ -35,15 +35,15 @@ struct PagePiece {
   }
 };
 
-/// What of a level is gone through, for the numbers that are wanted of all its four kinds together: side midpoints are
-/// predicted from the centres and even ones around them, centres from two even ones on either side.
+/// The parts of a level to compute so that the wanted numbers of all four kinds are right. Side midpoints are predicted
+/// from the centres and even ones around them, centres from two even ones on each side.
 struct Parts {
   PagePiece sides, centres, even;
   Parts(const PagePiece& wanted, int side)
       : sides(wanted.halved()), centres(sides.grown(1, 1, side)), even(sides.grown(2, 3, side)) {}
 };
 
-/// Where the numbers of one kind stand in the square, and what part of them is gone through.
+/// The position of one kind's numbers in the square, and the part to compute.
 struct Kind {
   std::size_t first, along, down;
   int side;
@@ -53,8 +53,8 @@ struct Kind {
   }
 };
 
-/// Straight on over the sides: every number of the rim is where a line through the two before it goes. Of a part of a
-/// grid, which holds the two where it touches a side.
+/// Continues the grid over its sides: each number of the rim is on the line through the two before it. `part` must hold
+/// these two where it touches a side.
 template <class Number>
 void extend(Wrapping<Number>* grid, int side, const PagePiece& part) {
   using W = Wrapping<Number>;
@@ -75,8 +75,8 @@ void extend(Wrapping<Number>* grid, int side, const PagePiece& part) {
   line(side + 1, side, side - 1);
 }
 
-/// Four neighbours a b / c d in a square, and the eight numbers one step beyond them along its sides: ab lies
-/// beyond a as seen from b.
+/// Four neighbours a b / c d in a square, and the eight numbers one step beyond them along its sides: ab is next to a,
+/// away from b.
 template <class W>
 struct Around {
   const W *a, *b, *c, *d, *ab, *ba, *cd, *dc, *ac, *ca, *bd, *db;
@@ -91,16 +91,16 @@ template <class Number>
     const W sign = static_cast<W>(static_cast<Number>(v) >> (8 * sizeof(W) - 1));
     return (v ^ sign) - sign;
   };
-  std::int32_t classes[kHalf];  // of one width with the numbers: the loop stays in few registers
+  std::int32_t classes[kHalf];  // as wide as the numbers, so that the loop needs few registers
   for (int i = 0; i < count; ++i) {
     const W a = n.a[i], b = n.b[i], c = n.c[i], d = n.d[i];
     const W bends[8] = {n.ab[i] - 2 * a + b, n.ba[i] - 2 * b + a, n.cd[i] - 2 * c + d, n.dc[i] - 2 * d + c,
                         n.ac[i] - 2 * a + c, n.ca[i] - 2 * c + a, n.bd[i] - 2 * b + d, n.db[i] - 2 * d + b};
     W bend = 0, bent = 1;
     for (const W v : bends) bend += v, bent += size(v);
-    // 22/64 of the four less 3/64 of the eight.
+    // 22/64 of each of the four, minus 3/64 of each of the eight.
     predicted[i] = static_cast<W>(static_cast<Number>(16 * (a + b + c + d) - 3 * bend + 32) >> 6);
-    // The highest bit of `bent` and the one below it, as a float has them.
+    // The highest bit of `bent` and the one below it, as in a float.
     const auto cut = static_cast<std::int32_t>(std::min<W>(bent, (1u << 24) - 1));
     const auto bits = std::bit_cast<std::int32_t>(static_cast<float>(cut));
     classes[i] = std::max((bits >> 22) - 254, 0);
@@ -113,12 +113,12 @@ template <class Number>
 template <class Number>
 struct HeightLevels<Number>::Grids {
   using W = Wrapping<Number>;
-  // Of one level: what is known, its centres, and the midpoints of sides along rows and along columns.
+  // One level: the known numbers, its centres, and its side midpoints along rows and along columns.
   W even[kGrid]{}, centres[kGrid]{};
   W predicted[2 * kHalf * kHalf]{};
   std::uint8_t contexts[2 * kHalf * kHalf]{};
   W numbers[2 * kHalf * kHalf]{}, read[2 * kHalf * kHalf]{};
-  W sides[2 * kHalf * kHalf]{};  ///< those along rows, then those along columns
+  W sides[2 * kHalf * kHalf]{};  ///< along rows, then along columns
   std::uint8_t listed[2 * kHalf * kHalf]{};
 
   TALUS_CLONES static void predict_centres(Grids& g, int side, const Parts& parts) {
@@ -143,7 +143,7 @@ struct HeightLevels<Number>::Grids {
       const W *c0 = row_of(g.centres, row - 1) + from, *c1 = row_of(g.centres, row) + from,
               *c2 = row_of(g.centres, row + 1) + from;
       const int along = row * side + from, down = along + side * side;
-      // Turned by 45 degrees: west, north / south, east.
+      // The same turned by 45 degrees: west, north / south, east.
       predict_row<Number>({e1, c0, c1, e1 + 1, c1 - 1, e0 + 1, e2, c0 + 1, c0 - 1, e2 + 1, e0, c1 + 1}, count,
                           g.predicted + along, g.contexts + along);
       predict_row<Number>({c1 - 1, e1, e2, c1, e2 - 1, c0, c2 - 1, e1 + 1, e1 - 1, c2, c0 - 1, e2 + 1}, count,
@@ -151,7 +151,7 @@ struct HeightLevels<Number>::Grids {
     }
   }
   static W zigzag(W v) { return static_cast<W>(v << 1 ^ (0 - (v >> (8 * sizeof(W) - 1)))); }
-  /// Of a level that is there as a whole.
+  /// For a level that is complete.
   TALUS_CLONES static void subtract(Grids& g, int rows, int cols, const W* __restrict values, std::ptrdiff_t stride) {
     for (int row = 0; row < rows; ++row) {
       const W *predicted = g.predicted + row * cols, *from = values + row * stride;
@@ -159,7 +159,7 @@ struct HeightLevels<Number>::Grids {
       for (int i = 0; i < cols; ++i) numbers[i] = zigzag(from[i] - predicted[i]);
     }
   }
-  /// values = predicted + residual, of the rows behind some others
+  /// values = predicted + residual; `behind` rows of predictions come before.
   TALUS_CLONES static void add(const Grids& g, int side, const PagePiece& part, int behind, W* __restrict values,
                                std::ptrdiff_t stride) {
     for (int row = behind + part.first_row; row < behind + part.end_row; ++row) {
@@ -169,10 +169,10 @@ struct HeightLevels<Number>::Grids {
         to[i] = predicted[i] + (numbers[i] >> 1 ^ (0 - (numbers[i] & 1)));
     }
   }
-  /// All four kinds into one grid of twice the side; `to` may be that of the even ones.
+  /// Joins all four kinds into one grid of twice the side; `to` may be the grid of the even ones.
   TALUS_CLONES static void join(const Grids& g, int side, const PagePiece& part, W* to, std::ptrdiff_t stride) {
     const int first = part.first_col, end = part.end_col;
-    for (int row = part.end_row; row-- > part.first_row;) {  // from behind: nothing is overwritten before it is read
+    for (int row = part.end_row; row-- > part.first_row;) {  // backward: each row is read before it is overwritten
       W line[kHalf];
       std::copy_n(row_of(g.even, row) + first, end - first, line + first);
       const W *along = g.sides + row * side, *down = g.sides + (side + row) * side, *centre = row_of(g.centres, row);
@@ -186,15 +186,15 @@ struct HeightLevels<Number>::Grids {
 template <class Number>
 HeightLevels<Number>::HeightLevels() : grids_(std::make_shared<Grids>()) {}
 
-/// settle(kinds, values, stride) gives the numbers of one kind, or of two one behind the other, their values, from the
-/// predictions and contexts.
+/// settle(kinds, values, stride) computes the numbers of one kind, or of two one after the other, and their values from
+/// the predictions and contexts.
 template <class Number>
 template <class Settle>
 void HeightLevels<Number>::run(std::span<Number> square, const PresentRect& present, Settle&& settle) {
   Grids& g = *grids_;
   constexpr std::size_t kRow = kPageSide;
   constexpr int kLevels = kPageShift;
-  PagePiece wanted[kLevels + 1];  // of the grid of 1 << level
+  PagePiece wanted[kLevels + 1];  // by level, whose grid has a side of 1 << level
   wanted[kLevels] = {present.first_col, present.end_col, present.first_row, present.end_row};
   for (int level = kLevels; level-- > 0;) wanted[level] = Parts(wanted[level + 1], 1 << level).even;
 

@@ -1,11 +1,10 @@
 #pragma once
-// How the vertices of a grid are cut into pages: level ranges ("bands") of square clusters.
+// How the vertices of a grid are divided into pages: bands (ranges of levels) of squares.
 //
-// Band b holds the vertices whose spacing is 8^b, 2·8^b or 4·8^b; the coarsest band also all above. A page
-// is one band of a square of 128·8^b cells, aligned to multiples of its side, its north and west sides
-// included. Below every page of band b lie 8×8 pages of band b−1. A page carries the height of every
-// 8^b-th sample of its square, coarser vertices included, so it is read without any other page; errors
-// it carries for its own band's vertices only.
+// Band b holds the vertices with spacing 8^b, 2·8^b or 4·8^b; the coarsest band also all coarser ones. A page is one
+// band of a square of 128·8^b cells, aligned to multiples of its side, its north and west sides included. It has 8×8
+// child pages in band b−1. A page has the height of every 8^b-th sample of its square, coarser vertices included, so it
+// is read without any other page. It has errors for the vertices of its own band only.
 
 #include <cstdint>
 #include <vector>
@@ -15,8 +14,8 @@
 
 namespace talus {
 
-// The two constants of the layout; docs/decisions/0001-pages.md measured them. Any others would make another, equally
-// valid format, so they are written in the manifest.
+// The two constants of the layout, measured in docs/decisions/0001-pages.md. The manifest has them, because other
+// values make another format.
 inline constexpr int kBandLevels = 3;  ///< levels (spacings) in a band
 inline constexpr int kPageShift = 7;   ///< log2 of samples along a page's side
 inline constexpr std::int32_t kPageSide = 1 << kPageShift;
@@ -33,18 +32,18 @@ struct PageId {
 [[nodiscard]] constexpr int band_shift(int band) { return band * kBandLevels; }
 [[nodiscard]] constexpr std::int32_t band_spacing(int band) { return std::int32_t{1} << band_shift(band); }
 
-/// Bands 0 and 1 are settled tile by tile (engine/tile/tile.hpp), so there is always one above them.
+/// Tiles compute bands 0 and 1 (engine/tile/tile.hpp), so there is always a band above them.
 inline constexpr int kFewestBands = 3;
 
-/// Number of bands of an extent: the coarsest covers it with pages that meet at the origin, one where
-/// the extent starts there.
+/// Number of bands of an extent. The pages of the coarsest band meet at the origin, so there are at most four; one if
+/// the extent begins at the origin.
 [[nodiscard]] constexpr int band_count(GridRect extent) {
   int bands = kFewestBands;
   while (root_side(extent) > std::int64_t{kPageSide} << band_shift(bands - 1)) ++bands;
   return bands;
 }
 
-/// The band a vertex belongs to.
+/// The band of a vertex.
 [[nodiscard]] constexpr int band_of(GridPoint p, int bands) {
   const int band = height_in_tree(p) / kBandLevels;
   return band < bands ? band : bands - 1;
@@ -59,13 +58,13 @@ inline constexpr int kFewestBands = 3;
   return {id.band + 1, id.x >> kBandLevels, id.y >> kBandLevels};
 }
 
-/// The page below that stands at `index` of the table of pages below: row by row.
+/// The child page at `index` of the child entries, which are row by row.
 [[nodiscard]] constexpr PageId child_page(PageId id, std::size_t index) {
   const auto i = static_cast<std::int32_t>(index);
   return {id.band - 1, id.x * kChildrenAcross + i % kChildrenAcross, id.y * kChildrenAcross + i / kChildrenAcross};
 }
 
-/// The page's square in cells: first its north-west sample, last the last cell before the next page.
+/// The page's square in cells: from its north-west sample to the last cell before the next page.
 [[nodiscard]] constexpr GridRect page_square(PageId id) {
   const std::int64_t side = std::int64_t{kPageSide} << band_shift(id.band);
   const std::int64_t limit = std::int64_t{1} << 30;
@@ -75,7 +74,7 @@ inline constexpr int kFewestBands = 3;
   return {{cut(id.x * side), cut(id.y * side)}, {cut((id.x + 1) * side - 1), cut((id.y + 1) * side - 1)}};
 }
 
-/// The samples a page carries, in units of its band's spacing: those of its square inside the extent.
+/// The samples of a page, in units of its band's spacing: its square inside the extent.
 struct PageGrid {
   int shift = 0;
   GridPoint first;  ///< in units
@@ -106,7 +105,7 @@ struct PageGrid {
           end_row > first_row ? end_row - first_row : 0};
 }
 
-/// The samples of a page that lie in a rectangle, in page-relative columns and rows; last < first: none.
+/// The samples of a page in a rectangle, in page-relative columns and rows; last < first: none.
 [[nodiscard]] constexpr GridRect samples_in(const PageGrid& grid, GridRect rect) {
   const std::int64_t ceil = (std::int64_t{1} << grid.shift) - 1;
   const auto from = [&](std::int32_t v, std::int32_t first) {
@@ -120,7 +119,7 @@ struct PageGrid {
   return {{from(rect.first.col, grid.first.col), from(rect.first.row, grid.first.row)},
           {to(rect.last.col, grid.first.col, grid.cols), to(rect.last.row, grid.first.row, grid.rows)}};
 }
-/// visit(col, row) of each of them.
+/// visit(col, row) for each of them.
 template <class Visit>
 void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
   const GridRect part = samples_in(grid, rect);
@@ -129,7 +128,7 @@ void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
   }
 }
 
-/// Pages along a Morton curve: neighbours in the plane are mostly neighbours in the file.
+/// The position of a page on a Morton curve: pages that are near on the map are mostly near in the file.
 [[nodiscard]] constexpr std::uint64_t curve_position(PageId id) {
   const auto spread = [](std::int32_t v) {
     std::uint64_t bits = static_cast<std::uint32_t>(v) ^ 0x80000000u;  // signed order as unsigned
@@ -156,14 +155,12 @@ void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
   return {band, gather(position), gather(position >> 1)};
 }
 
-/// All pages of a band whose squares meet an extent, in curve order: such a page may carry no sample and yet have pages
-/// below it.
+/// All pages of a band whose squares meet an extent, in curve order. A page without samples can have child pages.
 [[nodiscard]] std::vector<PageId> pages_of_band(int band, GridRect extent);
 
-/// Whether a vertex is one of those that keep their heights whatever their error: a triangle at it, or at a vertex that
-/// depends on it, may leave the extent, and samples beside such a triangle are in nobody's error. With a vertex, the
-/// two that it depends on are near: a side midpoint's apexes lie s away and reach 3s, theirs lie s further and reach
-/// 4s.
+/// Whether a vertex keeps its height at any error. A triangle at it, or at a vertex that depends on it, may leave the
+/// extent, and no error includes the samples beside such a triangle. If a vertex is near the border, so are its
+/// parents: the apexes of a side midpoint are s away and reach 3s; their apexes are s further and reach 4s.
 [[nodiscard]] constexpr bool is_near_border(GridPoint p, GridRect extent) {
   const std::int64_t s = spacing(p), reach = is_centre(p) ? 3 * s : 2 * s;
   return p.col - reach < extent.first.col || p.col + reach > extent.last.col || p.row - reach < extent.first.row ||

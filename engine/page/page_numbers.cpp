@@ -15,7 +15,7 @@ constexpr double kLargestDecimal = 4e9;
 std::int64_t rising(std::int32_t bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
 std::int64_t rising(std::int64_t bits) { return bits ^ ((bits >> 63) & 0x7fffffffffffffff); }
 
-/// Ten to the power of a coding's decimals; 0 for bits.
+/// Ten to the power of a coding's decimals; 0 for float bits.
 double power_of(Coding coding) {
   const int c = static_cast<int>(coding);
   if (coding >= Coding::float_bits) return 0;
@@ -31,7 +31,7 @@ std::int64_t number_of(double h, Coding coding) {
 
 bool is_same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-/// Whether every height is the decimal nearest to it, over 2^20 a time free of branches.
+/// Whether each height is the decimal nearest to it; 2^20 samples at a time, without branches.
 bool restores(std::span<const double> heights, std::span<const std::uint8_t> needed, Coding coding) {
   const auto restored = [&](double h) {
     if (coding == Coding::float_bits) return is_same(static_cast<double>(static_cast<float>(h)), h) || h != h;
@@ -43,7 +43,7 @@ bool restores(std::span<const double> heights, std::span<const std::uint8_t> nee
   return true;
 }
 
-/// What most pages are, looked at without a branch a sample: whole numbers that fit in 32 bits, none of them -0.
+/// The usual page, tested without branches: whole numbers that fit in 32 bits, and no -0.
 TALUS_CLONES bool all_small_whole(const double* heights, std::size_t count) {
   int others = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -68,7 +68,7 @@ double height_of(std::int64_t k, Coding coding) {
 
 namespace {
 
-/// Decimals whose numbers are small enough that base and number may be added as doubles.
+/// Decimals so small that base and number can be added as doubles.
 TALUS_CLONES void decimals_of(double base, const std::int32_t* numbers, std::size_t count, double per_unit,
                               bool is_float_source, double* heights) {
   if (is_float_source) {

@@ -1,13 +1,13 @@
 #pragma once
-// How the heights of a page become whole numbers.
+// The heights of a page as whole numbers.
 
 #include <cstdint>
 #include <span>
 
 namespace talus {
 
-/// A decimal k stands for k / 10^d, rounded to float where the source was one; bits are the number's own,
-/// reordered so that they rise with it.
+/// decimal k: the height is k / 10^d, rounded to float if the source was float. bits: the bits of the number, reordered
+/// so that they rise with it.
 enum class Coding : std::uint8_t {
   whole = 0,
   decimal1 = 1,
@@ -21,15 +21,14 @@ enum class Coding : std::uint8_t {
 };
 inline constexpr std::uint8_t kCodings = 9;
 
-/// The first of a fixed ladder that restores every height bit for bit; heights where `needed` is 0 do not matter.
-/// `needed` empty: all do.
+/// The first coding of a fixed list that restores every needed height bit for bit. `needed` empty: all are needed.
 [[nodiscard]] Coding choose_coding(std::span<const double> heights, std::span<const std::uint8_t> needed);
 
-/// heights[i] as a number, where needed; else 0.
+/// The number of each needed height; 0 for the others.
 void numbers_of(std::span<const double> heights, std::span<const std::uint8_t> needed, Coding coding,
                 std::span<std::int64_t> numbers);
 
-/// heights[i] = height_of(base + numbers[i], coding), many at once.
+/// heights[i] = height_of(base + numbers[i], coding).
 void heights_of(std::int64_t base, std::span<const std::int32_t> numbers, Coding coding, double* heights);
 void heights_of(std::int64_t base, std::span<const std::int64_t> numbers, Coding coding, double* heights);
 [[nodiscard]] double height_of(std::int64_t number, Coding coding);

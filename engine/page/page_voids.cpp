@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kBlock = 8;
 enum BlockKind : std::uint8_t { kAllData = 0, kMixedBlock = 1, kAllVoid = 2 };
-constexpr int kBlockContexts = 9;  ///< by the kinds of the blocks west and north
+constexpr int kBlockContexts = 9;  ///< by the kinds of the western and northern block
 
-/// Walks the blocks; code_block(kind context, block) and code_bit(guess, context, sample) read or write.
+/// Visits the blocks; code_block(kind context, block) and code_bit(guess, context, sample) read or write.
 template <class CodeBlock, class CodeBit>
 void walk_blocks(const PageGrid& grid, std::span<const std::uint8_t> valid, CodeBlock&& code_block,
                  CodeBit&& code_bit) {
   const int across = (grid.cols + kBlock - 1) / kBlock;
   std::vector<std::uint8_t> above(static_cast<std::size_t>(across), kAllData);
-  const auto at = [&](int col, int row) -> unsigned {  // beyond the page: data
+  const auto at = [&](int col, int row) -> unsigned {  // outside the page: valid
     if (col < 0 || row < 0) return 1;
     return valid[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col)];
   };
@@ -82,12 +82,12 @@ void get_voids(const PageGrid& grid, std::span<std::uint8_t> valid, int context,
 
 namespace {
 
-/// Covers as the page's voids tell them, finest level first; what lies beyond the page counts as data. visit(col, row,
-/// guess, inside) returns the true one.
+/// Guesses covers from the page's voids, finest level first; samples outside the page count as valid.
+/// visit(col, row, guess, inside) returns the true cover.
 template <class Visit>
 void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
                  std::span<std::uint8_t> covers, Visit&& visit) {
-  // Of the samples in the rectangle from the north-west corner to each. All of a page are 2^14.
+  // The number of valid samples in the rectangle from the north-west corner to each sample; at most 2^14.
   std::vector<std::uint16_t> sums(static_cast<std::size_t>(grid.cols + 1) * static_cast<std::size_t>(grid.rows + 1));
   const auto sum = [&](int col, int row) -> std::uint16_t& {
     return sums[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols + 1) +
@@ -121,7 +121,7 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
     for (std::size_t k = 0; k < 4; ++k) guess |= (holds_data(vertex, triangles[k]) ? 1u : 0u) << k;
     return guess;
   };
-  // The same where all is in the page.
+  // The same if everything lies in the page.
   const auto guess_inside = [&](std::size_t i, GridPoint vertex, int s) -> unsigned {
     const VertexKind kind = kind_of(vertex, s);
     const bool centre = is_centre(kind);

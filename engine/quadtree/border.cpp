@@ -9,14 +9,14 @@ namespace {
 
 std::int32_t lowest_bit(std::int32_t v) { return v == 0 ? kRootSpacing : v & -v; }
 
-/// place(v) → the grid point at position v of a side that runs along `fixed`.
+/// place(v) is the grid point at position v of a side along the line `fixed`.
 template <class Place, class Take>
 void cut_side(std::int32_t fixed, std::int32_t from, std::int32_t to, Place&& place, Take&& take) {
   for (std::int32_t at = from; at < to;) {
     std::int32_t length = std::min({lowest_bit(fixed), lowest_bit(at), kLongestBorderEdge});
     while (length > to - at) length /= 2;
-    // One end has exactly one odd coordinate, counted in lengths: along an even line the odd end, along an
-    // odd line the even one.
+    // Exactly one end has exactly one odd coordinate, in units of `length`: on an even line the odd end, on an odd line
+    // the even end.
     const bool start_odd = (at / length & 1) != 0, line_odd = (fixed / length & 1) != 0;
     take(place(start_odd != line_odd ? at : at + length));
     at += length;
@@ -48,7 +48,7 @@ std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root) {
   for (const GridPoint corner : {first, last, GridPoint{first.col, last.row}, GridPoint{last.col, first.row}})
     take(corner);
 
-  for (int shift = 0; std::int64_t{1} << shift < root; ++shift) {  // root corners depend on nothing
+  for (int shift = 0; std::int64_t{1} << shift < root; ++shift) {  // root corners have no parents
     for (const bool centres : {false, true}) {
       found.for_each_of_level(shift, centres, [&](GridPoint p) {
         for (const GridPoint parent : diamond(p).apexes) take(parent);

@@ -1,6 +1,6 @@
 #pragma once
-// The border constraint: which vertices a rectangle's sides need, so that no triangle leaves the rectangle
-// and neighbours that share a side agree on it. [P98 §10]
+// The border constraint: the vertices that the sides of a rectangle need, so that no triangle leaves it and neighbours
+// with a common side meet. [P98 §10]
 
 #include <vector>
 
@@ -8,18 +8,17 @@
 
 namespace talus {
 
-/// Longest mesh edge along a constrained side, in cells. A constant of the format: two databases that
-/// disagreed on it would not meet.
+/// Longest mesh edge along a constrained side, in cells. Part of the format: databases with another value do not meet.
 inline constexpr std::int32_t kLongestBorderEdge = 16;
 
-/// The vertices inside `region` that its border needs whatever the tolerance, in no order, none twice.
+/// The vertices inside `region` that its border needs at every tolerance, unordered, each once: those that its sides
+/// need, its corners, and all their ancestors (an ancestor outside counts, but is not returned).
 ///
-/// Each side is cut greedily into maximal dyadic edges: from p on the line c the edge has length
-/// 2^min(tz c, tz p), at most kLongestBorderEdge, halved until it fits. An edge is in the mesh iff its younger end is
-/// selected, the one where exactly one coordinate over its length is odd. Those vertices, the region's
-/// corners, and everything they depend on; what they depend on beyond the region counts, but is not returned.
+/// Each side is cut greedily into dyadic edges: from p on the line c an edge has length 2^min(tz c, tz p), at most
+/// kLongestBorderEdge, halved until it fits. The mesh has the edge iff its younger end is selected: the end with
+/// exactly one odd coordinate in units of the length.
 ///
-/// cost  in proportion to the sides, times a small constant for the dependencies
+/// cost  linear in the sides
 [[nodiscard]] std::vector<GridPoint> border_vertices(GridRect region, std::int32_t root);
 
 }  // namespace talus

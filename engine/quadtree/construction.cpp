@@ -10,7 +10,7 @@
 namespace talus {
 namespace {
 
-/// Up to this spacing the columns of a level, and which way the diagonal runs beside each, repeat within a word.
+/// Up to this spacing a word of 64 columns has the same pattern of columns and diagonals everywhere.
 constexpr std::int32_t kWordSpacing = 16;
 
 TALUS_INLINE std::size_t members_of(VertexMask& mask) {
@@ -23,9 +23,9 @@ TALUS_INLINE std::size_t members_of(VertexMask& mask) {
 TALUS_POPCNT std::size_t members_popcnt(VertexMask& mask) { return members_of(mask); }
 std::size_t members(VertexMask& mask) { return has_popcnt() ? members_popcnt(mask) : members_of(mask); }
 
-/// Level by level, first the side midpoints, whose parents are centres of the same level, then the centres: when a
-/// vertex is looked at, all that could mark it has been. What is marked beyond the region is kept as a list: by
-/// locality these are few, about as many as the region's sides are long.
+/// Goes level by level: side midpoints first, because their parents are centres of the same level, then centres. So a
+/// vertex is visited after everything that can mark it. Marked vertices outside the region go to a list; there are
+/// about as many as the region's sides are long.
 class Sweep {
  public:
   Sweep(VertexMask& vertices, std::int32_t root) : vertices_(vertices), region_(vertices.region()), root_(root) {}
@@ -54,7 +54,7 @@ class Sweep {
 
   static std::int32_t up(std::int32_t v, std::int32_t s) { return (v + s - 1) & -s; }
 
-  /// One by one, the vertices within `rect`, which lies in the region.
+  /// Marks the parents of the vertices in `rect`, one by one.
   void mark_by_points(std::int32_t s, bool centres, GridRect rect) {
     for (std::int32_t row = up(rect.first.row, s); row <= rect.last.row; row += s) {
       const bool row_odd = (row & s) != 0;
@@ -67,7 +67,7 @@ class Sweep {
     }
   }
 
-  /// Only the vertices less than a spacing from a side of the region have parents beyond it.
+  /// Marks parents outside the region: only vertices within one spacing of a side have any.
   void mark_beyond(std::int32_t s, bool centres) {
     const auto& [first, last] = region_;
     const GridPoint inner_first{std::min(last.col, first.col + s - 1), std::min(last.row, first.row + s - 1)};
@@ -78,7 +78,7 @@ class Sweep {
     mark_by_points(s, centres, {{inner_last.col, first.row}, last});
   }
 
-  /// The parents within the region, 64 columns at once.
+  /// Marks the parents inside the region, 64 columns at once.
   void mark_by_words(std::int32_t s, bool centres) {
     const std::uint64_t even = columns(0, 2 * s), odd = columns(s, 2 * s);
     const std::uint64_t west_even = columns(s, 4 * s), west_odd = columns(3 * s, 4 * s);  // centres: col - s over 2s
@@ -86,7 +86,7 @@ class Sweep {
       const bool row_odd = (row & s) != 0;
       if (centres) {
         if (!row_odd) continue;
-        // Which two corners are the parents: see diamond().
+        // The parents are two of the four corners: see diamond().
         const bool north_even = ((row - s) & (2 * s)) == 0;
         const std::uint64_t falling = north_even ? west_even : west_odd, rising = north_even ? west_odd : west_even;
         mark(row, falling, row - s, s);
@@ -103,7 +103,7 @@ class Sweep {
     }
   }
 
-  /// The columns, of any word, that leave this remainder; the divisor is a power of two up to 64.
+  /// The columns of a word with this remainder; the divisor is a power of two, at most 64.
   [[nodiscard]] std::uint64_t columns(std::int32_t remainder, std::int32_t divisor) const {
     std::uint64_t found = 0;
     for (std::int32_t i = 0; i < 64; ++i) {
@@ -112,8 +112,8 @@ class Sweep {
     return found;
   }
 
-  /// Marks in row `to` what stands `east` columns from the members of row `from` that `pattern` names. Within one row
-  /// this never reads what it wrote: children and parents are of different columns.
+  /// Marks in row `to` the points `east` columns from the members of row `from` in `pattern`. It never reads what it
+  /// wrote: children and parents have different columns.
   void mark(std::int32_t from, std::uint64_t pattern, std::int32_t to, std::int32_t east) {
     if (to < region_.first.row || to > region_.last.row) return;
     const std::span<const std::uint64_t> members_from = vertices_.row_words(from);

@@ -1,13 +1,10 @@
 #pragma once
-// From any set of wanted vertices to the least restricted quadtree that holds it: both algorithms of the paper. They
-// are for selections that a threshold on saturated errors does not close by itself. [P98 §4, algorithms 1 and 2]
+// From a set of wanted vertices to the smallest restricted quadtree that holds it, for selections that are not closed
+// as a threshold on saturated errors is. [P98 §4, algorithms 1 and 2]
 //
-// Both return the same: the closure of what is wanted in a region, cut by the region. The closure is formed on the
-// whole grid, of the wanted vertices, their parents, the parents' parents and so on; so a vertex beyond the region is
-// never returned, but what it depends on inside the region is, as with border_vertices. Within the region the result is
-// then what a larger one, with the same wanted vertices, would have given, and each member's parents that lie in the
-// region are members. Vertices whose spacing is at least `root` depend on nothing, and are taken like any other: if
-// they are wanted or something depends on them.
+// Both algorithms return the same: the closure over the whole grid (wanted vertices and all ancestors), cut at the
+// region. Ancestors outside the region count, but are not returned, as in border_vertices. So a larger region with the
+// same wanted vertices has the same members inside this one. A vertex of spacing `root` or more has no parents.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,22 +16,22 @@
 
 namespace talus {
 
-/// Bottom-up, in place: adds to the set all that it depends on, by one sweep from the finest level to the coarsest in
-/// which each member marks its parents. Not sealed afterwards.
+/// Bottom-up, in place: one sweep from the finest level to the coarsest, in which each member marks its parents. Call
+/// seal() afterwards.
 ///
 /// root     side of the root square, a power of two
-/// returns  how many vertices were added
-/// cost     linear in the region's samples, 64 at once, and in its sides
-/// source   [P98 §4, algorithm 2]; sixty-four vertices at once: design of ours
+/// returns  number of vertices added
+/// cost     linear in the region's samples (64 at once) and in its sides
+/// source   [P98 §4, algorithm 2]; 64 at once: ours
 std::size_t close_bottom_up(VertexMask& vertices, std::int32_t root);
 
 namespace detail {
 
-/// The set that algorithm 1 grows; what lies beyond the region is remembered, so that no vertex is resolved twice.
+/// The set that algorithm 1 grows. It remembers vertices outside the region, so that each is resolved once.
 class ResolvedSet {
  public:
   ResolvedSet(GridRect region, std::int32_t root) : inside_(region), root_(root) {}
-  /// Inserts a vertex and, if it is new, all that it depends on.
+  /// Inserts a vertex and, if it is new, all its ancestors.
   void insert(GridPoint p);
   [[nodiscard]] VertexMask take() { return std::move(inside_); }
 
@@ -47,15 +44,14 @@ class ResolvedSet {
 
 }  // namespace detail
 
-/// Top-down: descends the quadtree of squares, inserts what is wanted of the centre and the four side midpoints of each
-/// square, and follows the dependencies of each vertex that is new. Not sealed.
+/// Top-down: descends through the squares of the quadtree, inserts the wanted ones among the centre and the four side
+/// midpoints of each, and the ancestors of each new vertex. Call seal() afterwards.
 ///
-/// wanted(GridPoint)          of a vertex in the region
-/// any_wanted(GridPoint)      of the square that has this centre, its spacing being half the side: false only if no
-///                            wanted vertex lies in it or on its sides, its corners left out. It saves the descent
-/// cost                       in proportion to the result, if any_wanted is true of few other squares, and the region's
-///                            empty mask
-/// source                     [P98 §4, algorithm 1]
+/// wanted(GridPoint)      whether a vertex of the region is wanted
+/// any_wanted(GridPoint)  whether to descend into the square with this centre; its side is twice the centre's spacing.
+///                        false only if no wanted vertex lies in it or on its sides, corners excluded
+/// cost                   linear in the result, if any_wanted is true for few other squares, and in the empty mask
+/// source                 [P98 §4, algorithm 1]
 template <class Wanted, class AnyWanted>
 [[nodiscard]] VertexMask close_top_down(GridRect region, std::int32_t root, Wanted&& wanted, AnyWanted&& any_wanted) {
   detail::ResolvedSet set(region, root);

@@ -1,15 +1,14 @@
 #pragma once
-// The coordinate essay: how grid points become vertices, diamonds and triangles.
+// How grid points become vertices, diamonds and triangles.
 //
-// Samples stand at integer (col, row). Every grid point except the corners of the root square is the
-// split vertex of exactly one diamond, and which one follows from its coordinates alone: with s the
-// lowest set bit of col|row,
-//   both col/s and row/s odd    the centre of a square of side 2s; the diamond is that square
-//   exactly one of them odd     the midpoint of a side of such a square; the diamond is the square of
-//                               half-diagonal s standing on its corner
-// The split cuts the diamond's hypotenuse a–b at the vertex; c and d are the apexes of its two halves
-// and the vertex's parents in the dependency graph. Nothing here knows where data begins or ends, so
-// two databases on one grid agree, and a root that doubles changes no inner triangle. [P98 §3]
+// Every grid point except the corners of the root square is the split vertex of exactly one diamond, which follows from
+// its coordinates (col, row). With s the lowest set bit of col|row:
+//   col/s and row/s odd      the centre of a square of side 2s; the diamond is this square
+//   exactly one of them odd  the midpoint of a side of such a square; the diamond is the square with half-diagonal s
+//                            that stands on its corner
+// The split cuts the diamond's hypotenuse a–b at the vertex; c and d are the apexes of its halves and the vertex's
+// parents. Nothing depends on the extent: two databases on one grid agree, and a larger root changes no inner triangle.
+// [P98 §3]
 
 #include <array>
 #include <bit>
@@ -19,16 +18,16 @@
 
 namespace talus {
 
-/// Spacing of the four corners of a root square: they are above every level.
+/// Spacing of the corners of a root square, which are above every level.
 inline constexpr std::int32_t kRootSpacing = std::int32_t{1} << 30;
 
-/// Cells between the vertices of p's level: the lowest set bit of col|row; kRootSpacing for the origin.
+/// Spacing of p's level in cells: the lowest set bit of col|row; kRootSpacing for the origin.
 [[nodiscard]] constexpr std::int32_t spacing(GridPoint p) {
   const auto bits = static_cast<std::uint32_t>(p.col | p.row);
   return bits == 0 ? kRootSpacing : static_cast<std::int32_t>(bits & (0u - bits));
 }
 
-/// log2 of the spacing: 0 for the finest vertices.
+/// log2 of the spacing; 0 for the finest vertices.
 [[nodiscard]] constexpr int height_in_tree(GridPoint p) {
   return std::countr_zero(static_cast<std::uint32_t>(spacing(p)));
 }
@@ -42,8 +41,8 @@ inline constexpr std::int32_t kRootSpacing = std::int32_t{1} << 30;
   return {p.col + (q.col - p.col) / 2, p.row + (q.row - p.row) / 2};
 }
 
-/// The two triangles a vertex splits: hypotenuse from ends[0] to ends[1], right angles at apexes[0] and
-/// apexes[1]. The apexes are the vertex's parents.
+/// The two triangles that a vertex splits: hypotenuse from ends[0] to ends[1], right angles at apexes[0] and apexes[1].
+/// The apexes are the vertex's parents.
 struct Diamond {
   std::array<GridPoint, 2> ends, apexes;
 };
@@ -53,7 +52,7 @@ struct Diamond {
   const std::int32_t w = p.col - s, e = p.col + s, n = p.row - s, south = p.row + s;
   const bool col_odd = (p.col & s) != 0, row_odd = (p.row & s) != 0;
   if (col_odd && row_odd) {
-    // The square's diagonal joins the corners that, counted in squares of its size, have an even sum.
+    // The diagonal joins the corners with an even sum of coordinates, in units of the square's size.
     const bool even = ((w ^ n) & (2 * s)) == 0;
     if (even) return {{GridPoint{w, n}, {e, south}}, {GridPoint{e, n}, {w, south}}};
     return {{GridPoint{e, n}, {w, south}}, {GridPoint{w, n}, {e, south}}};
@@ -62,7 +61,7 @@ struct Diamond {
   return {{GridPoint{p.col, n}, {p.col, south}}, {GridPoint{w, p.row}, {e, p.row}}};
 }
 
-/// The vertices that have p as a parent: four, none for the finest side midpoints.
+/// The vertices that have p as a parent: four, or none for a finest side midpoint.
 struct Children {
   std::array<GridPoint, 4> at{};
   int count = 0;
@@ -78,7 +77,7 @@ struct Children {
   return {{{{p.col - h, p.row - h}, {p.col + h, p.row - h}, {p.col - h, p.row + h}, {p.col + h, p.row + h}}}, 4};
 }
 
-/// A triangle named by its right angle.
+/// A triangle with its right angle at `apex`.
 struct Triangle {
   GridPoint apex, left, right;
 };
@@ -92,9 +91,8 @@ struct Triangle {
 [[nodiscard]] constexpr Triangle left_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.left}; }
 [[nodiscard]] constexpr Triangle right_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.right}; }
 
-/// The four triangles that have p at their right angle: p split them off when it came. Triangle
-/// 2·side + end lies in the half of apexes[side] toward ends[end]. Bit by bit this is the order of
-/// RestrictedQuadtree::covers.
+/// The four triangles with their right angle at p. Triangle 2·side + end lies in the half of apexes[side] toward
+/// ends[end]. RestrictedQuadtree::covers has its bits in this order.
 [[nodiscard]] constexpr std::array<Triangle, 4> apex_triangles(GridPoint p) {
   const Diamond d = diamond(p);
   return {{{p, d.apexes[0], d.ends[0]},
@@ -103,10 +101,9 @@ struct Triangle {
            {p, d.apexes[1], d.ends[1]}}};
 }
 
-/// Whether a triangle of the hierarchy and a rectangle share more than a line: no line along one of their sides has
-/// them on its two sides.
+/// Whether a triangle of the hierarchy and a rectangle share more than a line (separating axis test).
 [[nodiscard]] constexpr bool meets(const Triangle& t, GridRect rect) {
-  if (rect.cols() < 2 || rect.rows() < 2) return false;  // a line has no inside
+  if (rect.cols() < 2 || rect.rows() < 2) return false;  // the rectangle is a line
   const auto apart = [&](auto&& along) {
     const std::int64_t a = along(t.apex), b = along(t.left), c = along(t.right);
     const std::int64_t low = a < b ? (a < c ? a : c) : (b < c ? b : c),
@@ -126,8 +123,8 @@ struct Triangle {
          !apart([](GridPoint p) { return std::int64_t{p.col} - p.row; });
 }
 
-/// Side of the smallest root square, standing at the origin, that is larger than the extent: no root
-/// triangle then lies inside the data, and no mesh needs a special case for one.
+/// Side of the smallest root square at the origin that is larger than the extent. No root triangle lies inside the
+/// data, so no mesh has a special case for one.
 [[nodiscard]] constexpr std::int32_t root_side(GridRect extent) {
   std::int32_t side = 1;
   while (side <= extent.last.col || side <= extent.last.row || -side >= extent.first.col || -side >= extent.first.row) {
@@ -149,7 +146,7 @@ constexpr void for_each_root_triangle(GridRect extent, Visit&& visit) {
   }
 }
 
-/// Largest number of columns or rows of a grid, so that no diamond leaves 32 bits.
+/// The largest number of columns or rows of a grid: all diamonds stay within 32 bits.
 inline constexpr std::int32_t kMaxExtent = std::int32_t{1} << 28;
 
 }  // namespace talus

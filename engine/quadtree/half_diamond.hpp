@@ -1,6 +1,5 @@
 #pragma once
-// One half of a diamond: the right triangle that stands there while the vertex is absent, its rows, and
-// the plane over it.
+// One half of a diamond: the right triangle in the mesh while its vertex is absent, its rows, and its plane.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,11 +10,11 @@
 namespace talus {
 
 struct HalfDiamond {
-  GridPoint vertex;     ///< the absent one, midpoint of the hypotenuse
+  GridPoint vertex;     ///< the absent vertex, midpoint of the hypotenuse
   GridPoint apex;       ///< the right angle
   GridPoint a, b;       ///< ends of the hypotenuse
   std::int32_t s = 0;   ///< spacing of `vertex`
-  bool centre = false;  ///< legs along the axes; otherwise the hypotenuse is
+  bool centre = false;  ///< the legs run along the axes; false: the hypotenuse does
 
   struct Columns {
     std::int32_t lo, hi;
@@ -24,7 +23,7 @@ struct HalfDiamond {
   [[nodiscard]] std::int32_t top() const { return std::min({apex.row, a.row, b.row}); }
   [[nodiscard]] std::int32_t bottom() const { return std::max({apex.row, a.row, b.row}); }
 
-  /// First and last column of the closed triangle on a row between top() and bottom().
+  /// First and last column of the closed triangle on a row from top() to bottom().
   [[nodiscard]] Columns columns(std::int32_t row) const {
     if (centre) {
       const std::int32_t reach = 2 * s - std::abs(row - apex.row);
@@ -46,18 +45,17 @@ struct HalfDiamond {
   return r.contains(t.apex) && r.contains(t.a) && r.contains(t.b);
 }
 
-/// The plane through the three corners. Every evaluation in Talus uses this one order of operations
-/// (base + down·Δrow, then + right·Δcol, divisions only by powers of two), so that kernels agree bit for
-/// bit even where heights are no whole numbers.
+/// The plane through the three corners. Talus always evaluates it in this order of operations (base + down·Δrow, then
+/// + right·Δcol, divisions by powers of two only), so that all kernels agree bit for bit, also for fractional heights.
 template <class Real>
 struct Plane {
-  std::int32_t col = 0, row = 0;  ///< where `base` stands
+  std::int32_t col = 0, row = 0;  ///< position of `base`
   Real base{}, right{}, down{};
 
   [[nodiscard]] Real on_row(std::int32_t r) const { return base + down * static_cast<double>(r - row); }
 };
 
-/// at(GridPoint) → height of that corner.
+/// at(GridPoint) is the height of a corner.
 template <class At>
 [[nodiscard]] Plane<double> plane_of(const HalfDiamond& t, At&& at) {
   if (t.centre) {

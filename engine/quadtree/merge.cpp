@@ -14,7 +14,7 @@ namespace {
 void require_whole(const RestrictedQuadtree& q) {
   const std::size_t n = q.vertices.size();
   if (q.heights.size() != n || (!q.covers.empty() && q.covers.size() != n))
-    refuse(fmt::format("{} vertices with {} heights and {} covers: expected one each", n, q.heights.size(),
+    refuse(fmt::format("there are {} vertices, {} heights and {} covers: expected one of each", n, q.heights.size(),
                        q.covers.size()));
 }
 
@@ -49,7 +49,7 @@ RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPo
     if (stays(p)) vertices.insert(p), ++count;
   });
   vertices.seal();
-  if (vertices.size() != count) refuse("a vertex that is added is there already");
+  if (vertices.size() != count) refuse("a new vertex is already in the answer");
 
   all.heights.resize(count);
   if (!kept.covers.empty() || !added.covers.empty()) all.covers.assign(count, 15);
@@ -73,32 +73,31 @@ RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPo
 
 void require_fit(const RestrictedQuadtree& answer, const Increment& increment) {
   const RestrictedQuadtree& added = increment.added;
-  if (!answer.origin.is_plain)
-    refuse("an answer that is more than a region at a tolerance, or less: increments go on from no such answer");
+  if (!answer.origin.is_plain) refuse("no increment can follow this answer: ask for a region and a tolerance only");
   if (answer.origin.identity != added.origin.identity || added.origin.identity.content == 0) {
     const Identity &a = answer.origin.identity, &b = added.origin.identity;
     refuse(a.generation != b.generation
-               ? fmt::format("the increment is of update {} of a database, the answer of update {}: ask anew",
+               ? fmt::format("the increment is from update {} of the database, the answer from update {}: ask again",
                              b.generation, a.generation)
-               : fmt::format("the increment is of another database ({:016x}) than the answer ({:016x})", b.content,
+               : fmt::format("the increment is from another database ({:016x}) than the answer ({:016x})", b.content,
                              a.content));
   }
   if (!(answer.region == added.region) || !(answer.vertices.region() == added.vertices.region())) {
-    refuse(fmt::format("the increment is of the region of {}, the answer of that of {}", spelled(added.region),
+    refuse(fmt::format("the region of the increment is {}, that of the answer is {}", spelled(added.region),
                        spelled(answer.region)));
   }
   if (answer.tolerance != increment.from) {
-    refuse(fmt::format("the increment goes on from an answer at {} m, this one is at {} m", increment.from.value,
+    refuse(fmt::format("the increment follows an answer at {} m, this one is at {} m", increment.from.value,
                        answer.tolerance.value));
   }
   if (answer.origin.quantum != added.origin.quantum) {
     refuse(
-        fmt::format("the increment's heights are multiples of {} m, the answer's of {} m (0: exact): ask for both with "
-                    "one Heights::quantum",
+        fmt::format("the heights of the increment are multiples of {} m, those of the answer of {} m (0: exact): ask "
+                    "for both with the same Heights::quantum",
                     added.origin.quantum.value, answer.origin.quantum.value));
   }
   if (answer.level_errors.size() != added.level_errors.size())
-    refuse(fmt::format("the increment has {} levels, the answer {}", added.level_errors.size(),
+    refuse(fmt::format("the increment has {} levels, the answer has {}", added.level_errors.size(),
                        answer.level_errors.size()));
 }
 

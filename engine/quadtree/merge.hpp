@@ -1,5 +1,5 @@
 #pragma once
-// Two sets of vertices with heights and covers become one.
+// Joins two sets of vertices with their heights and covers.
 
 #include <span>
 
@@ -7,14 +7,12 @@
 
 namespace talus {
 
-/// Everything of `added` but its vertices, heights and covers, which are those of both: of `kept` those that lie in the
-/// region of `added` and are not `gone`. No vertex may be in both.
-///
-/// fails  invalid_argument: a vertex in both, or more or fewer heights or covers than vertices
+/// `added`, plus the vertices of `kept` that lie in the region of `added` and are not in `gone`.
+/// fails  invalid_argument: a vertex is in both; not one height and cover a vertex
 [[nodiscard]] RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPoint> gone,
                                         const RestrictedQuadtree& added);
 
-/// fails  invalid_argument: an increment that does not go on from this answer
+/// fails  invalid_argument: the increment does not belong to this answer
 void require_fit(const RestrictedQuadtree& answer, const Increment& increment);
 
 }  // namespace talus

@@ -16,7 +16,7 @@ namespace {
 
 [[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
 
-/// A side that all vertices of a window stand under; a larger root than the extent's forces the same vertices.
+/// log2 of the side of a root square over the window; a larger root needs the same border vertices.
 std::size_t root_shift(const RestrictedQuadtree& answer) {
   if (!answer.level_errors.empty()) return answer.level_errors.size() - 1;
   return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(root_side(answer.vertices.region()))));
@@ -26,10 +26,10 @@ std::size_t root_shift(const RestrictedQuadtree& answer) {
 
 Progression::Progression(const RestrictedQuadtree& answer, std::span<const double> errors) {
   if (answer.origin.border != Border::constrain)
-    refuse("an answer that covers its region from without holds no coarser ones: only a constrained border does");
+    refuse("only an answer with Border::constrain contains coarser answers: ask for one");
   const std::size_t count = answer.vertices.size();
   if (!errors.empty() && errors.size() != count)
-    refuse(fmt::format("{} errors for {} vertices: expected one each", errors.size(), count));
+    refuse(fmt::format("there are {} errors for {} vertices: expected one a vertex", errors.size(), count));
   const std::size_t root = root_shift(answer);
   const GridRect& window = answer.vertices.region();
   VertexMask forced(window);
@@ -63,14 +63,14 @@ Progression::Progression(const RestrictedQuadtree& answer, std::span<const doubl
       const auto at = [&](std::size_t i) { return ranks_.begin() + static_cast<std::ptrdiff_t>(i); };
       std::stable_sort(at(step.begin), at(step.end), [&](std::uint32_t a, std::uint32_t b) {
         if (errors[a] != errors[b]) return errors[a] > errors[b];
-        return is_centre(points[a]) && !is_centre(points[b]);  // a side midpoint's parents are centres
+        return is_centre(points[a]) && !is_centre(points[b]);  // the parents of a side midpoint are centres
       });
     }
   }
   points_.resize(count);
   for (std::size_t i = 0; i < count; ++i) points_[i] = points[ranks_[i]];
 
-  // The bound counts what is left out: the levels finer than a step's.
+  // The bound of a step includes the errors of all finer levels, which it leaves out.
   double largest = answer.bound.value;
   for (std::size_t i = steps_.size(); i-- > 0;) {
     const bool is_last = i + 1 == steps_.size();
@@ -94,7 +94,8 @@ RestrictedQuadtree Progression::prefix(const RestrictedQuadtree& answer, std::si
   if (steps < 1 || steps > steps_.size() ||
       more > (steps < steps_.size() ? steps_[steps].end - steps_[steps].begin : 0) ||
       answer.heights.size() != ranks_.size())
-    refuse(fmt::format("{} steps and {} vertices of an answer with {} steps", steps, more, steps_.size()));
+    refuse(fmt::format("cannot have {} steps and {} more vertices of an answer with {} steps", steps, more,
+                       steps_.size()));
   const std::size_t end = steps_[steps - 1].end + more;
   const bool is_all = end == ranks_.size();
   RestrictedQuadtree q;

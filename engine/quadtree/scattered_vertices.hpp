@@ -1,5 +1,5 @@
 #pragma once
-// A few vertices anywhere on the grid, for walks along the dependency graph from the finest level to the coarsest.
+// A list of scattered vertices, for walks from the finest level to the coarsest.
 
 #include <algorithm>
 #include <array>
@@ -12,19 +12,19 @@
 
 namespace talus {
 
-/// Vertices by level, the side midpoints and the centres of each apart. A side midpoint's parents are centres of its
-/// own level, a centre's are of coarser ones. So a walk over the side midpoints of a level, then its centres, then the
-/// next coarser level may insert the parents of what it visits: they always come later.
+/// Vertices by level, side midpoints and centres apart. The parents of a side midpoint are centres of the same level,
+/// those of a centre are of coarser levels. So a walk in the order side midpoints, centres, next coarser level may
+/// insert the parents of what it visits.
 class ScatteredVertices {
  public:
-  /// The same vertex may come many times.
+  /// The same vertex may be inserted many times.
   void insert(GridPoint p) {
     std::vector<Key>& keys = list(height_in_tree(p), is_centre(p));
     const Key key = key_of(p);
-    if (keys.empty() || keys.back() != key) keys.push_back(key);  // neighbours share their parents
+    if (keys.empty() || keys.back() != key) keys.push_back(key);  // neighbours often share a parent
   }
 
-  /// visit(vertex) row by row, none twice. It may insert vertices of other kinds and levels.
+  /// visit(vertex) row by row, each once. It may insert vertices of other kinds and levels.
   template <class Visit>
   void for_each_of_level(int shift, bool centres, Visit&& visit) {
     std::vector<Key>& keys = list(shift, centres);
@@ -43,7 +43,7 @@ class ScatteredVertices {
  private:
   static constexpr int kLevels = std::countr_zero(static_cast<std::uint32_t>(kRootSpacing)) + 1;
 
-  /// Row, then column, in an order of whole numbers: one comparison each.
+  /// Row and column as one number that sorts by row, then by column.
   using Key = std::uint64_t;
   static constexpr std::uint32_t kSign = std::uint32_t{1} << 31;
   static Key key_of(GridPoint p) {

@@ -14,10 +14,9 @@ namespace talus {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
-constexpr std::size_t kMostAround = 4;  ///< triangles with a vertex at their right angle
+constexpr std::size_t kMostAround = 4;  ///< apex triangles of a vertex
 
-/// From the right angle the left corner lies counter-clockwise before the right one, seen from above:
-/// columns run east, rows south.
+/// Whether right angle, left and right are counter-clockwise seen from above: columns run east, rows south.
 constexpr bool is_counter_clockwise(const Triangle& t) {
   const std::int64_t lc = t.left.col - t.apex.col, lr = t.left.row - t.apex.row;
   const std::int64_t rc = t.right.col - t.apex.col, rr = t.right.row - t.apex.row;
@@ -30,7 +29,7 @@ GridRect answered(const RestrictedQuadtree& quadtree) {
 
 class Emitter {
  public:
-  /// Writes to `out`, where there is room for `room` triangles.
+  /// Writes to `out`, which holds `room` triangles.
   Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh, Corners* out, std::size_t room)
       : quadtree_(quadtree),
         mask_(quadtree.vertices),
@@ -41,10 +40,10 @@ class Emitter {
         out_(out),
         last_(out + room - kMostAround) {}
 
-  /// Emits the leaves around every vertex of some rows; returns one past the last triangle. A triangle is always
-  /// written and then kept or not: whether it is a leaf is a coin toss to a branch predictor.
+  /// Writes the leaves around each vertex of some rows; returns the end of the triangles. Each triangle is written,
+  /// then kept or overwritten: a branch predictor cannot guess which of them are leaves.
   ///
-  /// fails  corrupt: corners that are not there
+  /// fails  corrupt: a corner is missing
   TALUS_INLINE Corners* run(std::int32_t first_row, std::int32_t last_row) {
     const bool all_covered = quadtree_.covers.empty();
     std::uint32_t self = mask_.rank({window_.first.col, first_row});
@@ -63,7 +62,7 @@ class Emitter {
             is_centre(p) ? centre(p, self, s) : side(p, self, s);
           }
           ++self;
-          if (out_ > last_) refuse();  // what follows might not fit
+          if (out_ > last_) refuse();  // the next triangles might not fit
         });
     if (!closed_) refuse();
     return out_;
@@ -72,10 +71,10 @@ class Emitter {
  private:
   [[noreturn]] static void refuse() {
     throw Failure(Cause::corrupt,
-                  "corrupt: vertices without their parents make no mesh: the errors that selected them are damaged");
+                  "corrupt: a vertex lacks its parents, so there is no mesh: the errors that selected it are damaged");
   }
 
-  /// Without a branch.
+  /// Logical and without a branch.
   static constexpr bool all(int a, int b, int c = 1, int d = 1) { return (a & b & c & d) != 0; }
 
   TALUS_INLINE void keep(Corners corners, bool leaf) {
@@ -83,7 +82,7 @@ class Emitter {
     out_ += leaf ? 1 : 0;
   }
 
-  /// All four neighbours are there and nothing is finer.
+  /// Its four neighbours are vertices, and there are no finer ones.
   TALUS_INLINE void finest_side(GridPoint p, std::uint32_t self) {
     const std::uint32_t north = mask_.rank({p.col, p.row - 1}), south = mask_.rank({p.col, p.row + 1});
     const std::uint32_t west = self - 1, east = self + 1;
@@ -95,7 +94,7 @@ class Emitter {
     keep({self, east, north}, true);
   }
 
-  /// All four corners are there; between them a side midpoint may be.
+  /// Its four corners are vertices; there may be side midpoints between them.
   TALUS_INLINE void finest_centre(GridPoint p, std::uint32_t self) {
     const bool north = mask_.contains({p.col, p.row - 1}), south = mask_.contains({p.col, p.row + 1});
     const bool west = mask_.contains({p.col - 1, p.row}), east = mask_.contains({p.col + 1, p.row});
@@ -109,7 +108,7 @@ class Emitter {
     keep({self, se, ne}, !east);
   }
 
-  /// Four neighbours, between which centres of half the spacing may be.
+  /// Its four neighbours are vertices; there may be centres of half the spacing between them.
   TALUS_INLINE void side(GridPoint p, std::uint32_t self, std::int32_t s) {
     const std::int32_t h = s / 2;
     const GridPoint n{p.col, p.row - s}, w{p.col - s, p.row}, so{p.col, p.row + s}, e{p.col + s, p.row};
@@ -121,7 +120,7 @@ class Emitter {
     keep({self, east, north}, !mask_.contains({p.col + h, p.row - h}));
   }
 
-  /// Four corners, between which side midpoints may be.
+  /// Its four corners are vertices; there may be side midpoints between them.
   TALUS_INLINE void centre(GridPoint p, std::uint32_t self, std::int32_t s) {
     const GridPoint nw{p.col - s, p.row - s}, ne{p.col + s, p.row - s}, sw{p.col - s, p.row + s},
         se{p.col + s, p.row + s};
@@ -160,8 +159,8 @@ class Emitter {
   bool reaches_out_;
   GridPoint* points_;
   Corners* out_;
-  const Corners* last_;  ///< out_ may stand here and no further
-  bool closed_ = true;   ///< so far
+  const Corners* last_;  ///< the last position of out_ with enough room
+  bool closed_ = true;   ///< all corners so far are vertices
 };
 
 TALUS_POPCNT Corners* emit_popcnt(Emitter& emitter, std::int32_t first, std::int32_t last) {
@@ -169,7 +168,7 @@ TALUS_POPCNT Corners* emit_popcnt(Emitter& emitter, std::int32_t first, std::int
 }
 Corners* emit_plain(Emitter& emitter, std::int32_t first, std::int32_t last) { return emitter.run(first, last); }
 
-/// Rows, so that about as many vertices stand in each part.
+/// Parts of the rows with about equally many vertices.
 struct RowRange {
   std::int32_t first = 0, last = 0;
   std::size_t vertices = 0;
@@ -183,7 +182,7 @@ std::vector<RowRange> parts_of(const VertexMask& mask, int count) {
   std::int64_t first = region.first.row;
   for (int i = 1; i <= count && first <= region.last.row; ++i) {
     const std::size_t wanted = mask.size() / static_cast<std::size_t>(count) * static_cast<std::size_t>(i);
-    std::int64_t low = first, high = region.last.row;  // the last row of the part
+    std::int64_t low = first, high = region.last.row;  // binary search for the last row of the part
     while (low < high && i < count) {
       const std::int64_t middle = low + (high - low) / 2;
       (before(middle + 1) >= wanted ? high : low) = before(middle + 1) >= wanted ? middle : middle + 1;
@@ -196,7 +195,7 @@ std::vector<RowRange> parts_of(const VertexMask& mask, int count) {
   return parts;
 }
 
-/// Keeps the points that triangles use, in order.
+/// Removes the points that no triangle uses.
 void drop_unused(Mesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(mesh.points.size(), kUnused);
@@ -223,7 +222,7 @@ namespace {
 
 Mesh triangulated(const RestrictedQuadtree& quadtree, int threads, const std::stop_token& stop) {
   constexpr std::size_t kWorthAThread = 1 << 16;  // vertices
-  constexpr std::int64_t kRowsAtOnce = 256;       // between two looks at the stop token
+  constexpr std::int64_t kRowsAtOnce = 256;       // between two checks of the stop token
   const std::size_t count = quadtree.vertices.size();
   threads = static_cast<int>(
       std::min<std::size_t>(static_cast<std::size_t>(threads_or_all(threads)), 1 + count / kWorthAThread));
@@ -232,8 +231,8 @@ Mesh triangulated(const RestrictedQuadtree& quadtree, int threads, const std::st
   if (count == 0) return mesh;
   mesh.points.resize(count);
   mesh.heights.resize(count);
-  // A planar mesh has fewer than two triangles a vertex, a part of it at most four; and there is room to write ahead.
-  // The first part goes where it belongs, the others follow once it is known where they begin.
+  // A planar mesh has fewer than two triangles a vertex, a part of it at most four. The first part is written in place;
+  // the others are copied when their positions are known.
   mesh.triangles.resize(2 * count + kMostAround);
   const std::vector<RowRange> parts = parts_of(quadtree.vertices, threads);
   std::vector<Array<Corners>> written(parts.size());
@@ -245,7 +244,7 @@ Mesh triangulated(const RestrictedQuadtree& quadtree, int threads, const std::st
     Emitter emitter(quadtree, mesh, to.data(), to.size());
     const Corners* end = to.data();
     for (std::int64_t row = part.first; row <= part.last; row += kRowsAtOnce) {
-      if (stop.stop_requested()) throw Failure(Cause::cancelled, "cancelled: the triangulation was asked to stop");
+      if (stop.stop_requested()) throw Failure(Cause::cancelled, "cancelled: the caller stopped the triangulation");
       const auto first_row = static_cast<std::int32_t>(row);
       const auto last_row = static_cast<std::int32_t>(std::min<std::int64_t>(part.last, row + kRowsAtOnce - 1));
       end = has_popcnt() ? emit_popcnt(emitter, first_row, last_row) : emit_plain(emitter, first_row, last_row);
@@ -262,7 +261,7 @@ Mesh triangulated(const RestrictedQuadtree& quadtree, int threads, const std::st
     if (i > 0)
       std::copy_n(written[i].begin(), sizes[i], mesh.triangles.begin() + static_cast<std::ptrdiff_t>(starts[i]));
   });
-  // Without voids every vertex of a region with an area is the corner of a triangle in it.
+  // Without voids, every vertex of a region with an area is a corner of a triangle.
   const bool reaches_out = !(mesh.region == quadtree.vertices.region());
   if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) drop_unused(mesh);
   return mesh;

@@ -44,7 +44,7 @@ void VertexMask::seal() {
   const std::size_t count = has_popcnt() ? count_before_popcnt(words_, before_) : count_before(words_, before_);
   if (count > std::numeric_limits<std::uint32_t>::max()) {
     throw Failure(Cause::invalid_argument,
-                  "the answer has more than 4294967295 vertices; ask for a smaller rectangle or a larger tolerance");
+                  "the answer has more than 4294967295 vertices: ask for a smaller rectangle or a larger tolerance");
   }
   size_ = count;
 }

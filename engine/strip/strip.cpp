@@ -1,17 +1,17 @@
 // The strip of a restricted quadtree, by bisection from the root.
 //
-// A right triangle that the path crosses from one edge to another is split into two that it crosses one after the
-// other, and which way follows from the edges alone: this is a system of six productions over types and turns. With L
-// for left and R for right,
+// A path crosses a right triangle from one edge to another. When the triangle is split, the path crosses one half after
+// the other, in an order that follows from the edges: six productions over types and turns (L left, R right):
 //
 //   AL -> CL BL    BL -> CR AL    CL -> AL BR
 //   AR -> CR BR    BR -> CL AR    CR -> AR BL
 //
-// Eight root triangles stand around the origin, and a path around it counter-clockwise crosses them BL CL BL CL ….
-// Leaves of a conforming mesh that follow each other share an edge, so a run breaks only where a triangle is no part of
-// the answer; we find this by comparing edges and need no account of what was left out.
+// Eight root triangles stand around the origin; a path around it, counter-clockwise, crosses them BL CL BL CL ….
+// Consecutive leaves of a mesh without cracks share an edge, so a run ends only where a triangle is not part of the
+// answer. The code finds this by comparing edges.
 //
-// Inside the region and away from voids a triangle is looked at for the vertex in its middle alone. [P98 §7] [D09 §4.1]
+// Inside the region and away from voids, a triangle needs one test: whether its midpoint is a vertex. [P98 §7] [D09
+// §4.1]
 
 #include "talus/strip.hpp"
 
@@ -26,10 +26,10 @@ namespace {
 
 using enum StripType;
 
-/// What has to be asked of a triangle and those inside it.
+/// What must be tested for a triangle and its descendants.
 enum class Asks {
-  everything,  ///< it may leave the region or the window
-  covers,      ///< it may hold no data
+  everything,  ///< the triangle may leave the region or the window
+  covers,      ///< the triangle may hold no data
   nothing
 };
 
@@ -45,8 +45,8 @@ class Walker {
     if (!covers_.empty()) find_partial();
   }
 
-  /// Four squares around the origin are the root here, as small as they may be: that of the database may be larger, but
-  /// no triangle of the answer is. A square that the window fills is then one run.
+  /// The root is the smallest four squares around the origin that hold the window. The database's root may be larger,
+  /// but no triangle of the answer is. A square that the window fills is one run.
   void run() {
     std::int32_t s = 1;
     const auto least = [&](std::int32_t v) {
@@ -113,7 +113,7 @@ class Walker {
     }
   }
 
-  /// A rank costs more than a bit, and few vertices stand beside voids.
+  /// A bit is faster to test than a rank, and few vertices stand beside voids.
   void find_partial() {
     partial_ = VertexMask(window_);
     std::size_t v = 0;
@@ -122,11 +122,10 @@ class Walker {
     });
   }
 
-  /// A root corner in the window need not be there where the database's root is larger, and nothing that depends on it
-  /// then.
+  /// A root corner in the window is missing if the database's root is larger and nothing depends on it.
   [[nodiscard]] bool may_stand(GridPoint corner) const { return !window_.contains(corner) || mask_.contains(corner); }
 
-  /// A triangle beyond the window is split until it is no longer: the mask does not say whether it is.
+  /// Triangles outside the window are always split, because the mask ends there.
   template <Asks asks>
   [[nodiscard]] bool is_absent(GridPoint m) const {
     if constexpr (asks == Asks::everything) {
@@ -168,15 +167,15 @@ class Walker {
   const VertexMask& mask_;
   GridRect window_, region_;
   std::span<const std::uint8_t> covers_;
-  VertexMask partial_;          ///< with triangles that hold no data
-  GridPoint left_{}, right_{};  ///< the edge by which the last triangle was left; at first none
+  VertexMask partial_;          ///< vertices beside triangles without data
+  GridPoint left_{}, right_{};  ///< the edge where the path left the last triangle
   std::size_t count_ = 0;
-  Array<GridPoint> points_;  ///< ahead, by triangle
+  Array<GridPoint> points_;  ///< the corner ahead, by triangle
   Array<StripStep> steps_;
   std::vector<Begun> runs_;
 };
 
-/// The vertices that a strip uses: those of an answer with voids or beyond its region may be corners of no triangle.
+/// The vertices that a strip uses. With voids, or outside the region, a vertex may be a corner of no triangle.
 VertexMask used_vertices(GridRect window, const Walker& walker, std::span<const GridPoint> ahead) {
   VertexMask used(window);
   for (const GridPoint p : ahead) used.insert(p);
@@ -193,7 +192,7 @@ std::size_t count_swaps(const TriangleStrip& strip) {
   for (std::size_t i = 1; i < strip.steps.size(); ++i) {
     swaps += strip.steps[i].turns_right() == strip.steps[i - 1].turns_right() ? 1 : 0;
   }
-  for (std::size_t i = 1; i < strip.runs.size(); ++i) {  // a run begins as it likes
+  for (std::size_t i = 1; i < strip.runs.size(); ++i) {  // the first turn of a run is not a swap
     const auto first = static_cast<std::size_t>(strip.runs[i].first);
     swaps -= strip.steps[first].turns_right() == strip.steps[first - 1].turns_right() ? 1 : 0;
   }
@@ -205,7 +204,7 @@ std::size_t count_swaps(const TriangleStrip& strip) {
 TriangleStrip strip_of(const RestrictedQuadtree& quadtree) {
   const VertexMask& mask = quadtree.vertices;
   if (quadtree.heights.size() != mask.size() || (!quadtree.covers.empty() && quadtree.covers.size() != mask.size())) {
-    throw Failure(Cause::corrupt, "corrupt: an answer with other numbers of heights or covers than of vertices");
+    throw Failure(Cause::corrupt, "corrupt: the answer does not have one height and one cover a vertex");
   }
   TriangleStrip strip;
   strip.region = quadtree.region.cols() > 0 ? quadtree.region : mask.region();
@@ -265,8 +264,8 @@ Array<std::uint32_t> alternating_indices(const TriangleStrip& strip) {
     const std::size_t end =
         r + 1 < strip.runs.size() ? static_cast<std::size_t>(strip.runs[r + 1].first) : strip.triangles();
     std::uint32_t left = strip.runs[r].left, right = strip.runs[r].right;
-    // An even triangle takes the last two vertices as left and right, an odd one as right and left. Where the list
-    // stands after two or four more vertices it is as odd as now.
+    // A triangle at an even position uses the last two vertices as left and right, one at an odd position as right and
+    // left. Adding two or four vertices does not change that.
     const bool odd = out.size() % 2 != 0;
     const std::uint32_t first = odd ? right : left, second = odd ? left : right;
     if (!out.empty()) {

@@ -1,10 +1,9 @@
-// Strips as bits.
+// The writer of coded strips.
 //
-// The strip data is one entry a triangle: the height ahead and the type. A run has two entries before it, the heights
-// of its first edge. Entries stand at multiples of one width, so whoever knows the number of an entry can read it, and
-// a sub-strip header says everything else there is to know at every sixteenth triangle. The reader walks over the
-// headers once, to find where each sub-strip's entries are, and then decodes sub-strips in any order; that what they
-// say of each other agrees is looked at in the end.
+// The data has one entry a triangle: height and type of the corner ahead. A run begins with two more entries, the
+// heights of its first edge. All entries have the same width, so an entry is found by its number; at every sixteenth
+// triangle a sub-strip header has everything else. The reader goes over the headers once to find the entries of each
+// sub-strip, decodes sub-strips in any order, and finally checks that they agree.
 
 #include "engine/strip/strip_codec.hpp"
 
@@ -51,18 +50,19 @@ struct Quantised {
 };
 
 Quantised quantise(std::span<const double> heights, double step) {
-  if (!(step > 0) || !std::isfinite(step)) refuse_strip("needs a height step larger than 0");
+  if (!(step > 0) || !std::isfinite(step)) refuse_strip("needs a finite StripCoding::height_step above 0");
   Quantised out;
   double lowest = std::numeric_limits<double>::max(), highest = -lowest;
   for (const double h : heights) {
     const double q = std::nearbyint(h / step);
-    if (!(std::abs(q) <= kMostSteps)) refuse_strip("has a height that is no number, or too large for its step");
+    if (!(std::abs(q) <= kMostSteps))
+      refuse_strip("has a height that is not finite, or too large for StripCoding::height_step");
     lowest = std::min(lowest, q);
     highest = std::max(highest, q);
   }
   if (heights.empty()) return out;
   if (highest - lowest > static_cast<double>(std::numeric_limits<std::uint32_t>::max()))
-    refuse_strip("has heights of more than 4294967295 steps: take a larger one");
+    refuse_strip("has heights of more than 4294967295 steps: use a larger StripCoding::height_step");
   out.lowest = static_cast<std::int64_t>(lowest);
   out.bits = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(highest - lowest)));
   out.above.reserve(heights.size());
@@ -70,7 +70,7 @@ Quantised quantise(std::span<const double> heights, double step) {
   return out;
 }
 
-/// An end of the edge before the next triangle.
+/// One end of the edge before the next triangle.
 struct End {
   std::uint32_t vertex = 0;
   std::uint64_t entry = 0;
@@ -106,11 +106,11 @@ class Encoder {
       const std::uint64_t begin = strip_.runs[r].first;
       whole = begin < strip_.triangles() && (r == 0 ? begin == 0 : begin > strip_.runs[r - 1].first);
     }
-    if (!whole) refuse_strip("whose parts do not fit each other");
+    if (!whole) refuse_strip("has arrays or runs that do not match each other");
   }
 
   [[nodiscard]] std::uint32_t vertex(std::uint32_t v) const {
-    if (v >= strip_.points.size()) refuse_strip("with a vertex that is not there");
+    if (v >= strip_.points.size()) refuse_strip("names a vertex that it does not have");
     return v;
   }
   [[nodiscard]] GridPoint point(const End& end) const { return strip_.points[end.vertex]; }
@@ -138,12 +138,12 @@ class Encoder {
 
   void add(std::size_t t) {
     const StripStep step = strip_.steps[t];
-    // Such a strip is none of a restricted quadtree; the path is begun anew.
+    // This turn cannot follow in a strip of a restricted quadtree: begin a new run.
     if (in_run_ > 0 && turn_behind(before_, step.type()) != step.turns_right()) begin_run();
     if (in_run_ % kSubStrip == 0) begin_sub_strip(step);
     const std::uint32_t ahead = vertex(strip_.corners[t]);
     if (step.bits % 4 > 2 || step.bits > 6 || corner_ahead(point(left_), point(right_), step) != strip_.points[ahead])
-      refuse_strip("with a triangle that is none of the hierarchy");
+      refuse_strip("has a triangle that bisection does not make: use strip_of()");
     (step.turns_right() ? left_ : right_) = {ahead, entry_};
     put(ahead, static_cast<unsigned>(step.type()));
     before_ = step;
@@ -152,11 +152,11 @@ class Encoder {
   }
 
   void begin_sub_strip(StripStep step) {
-    // Around one vertex there are at most eight triangles, so no end of the edge is farther back than nine entries.
+    // At most eight triangles surround a vertex, so an end of the edge is at most nine entries back.
     if (entry_ - std::min(left_.entry, right_.entry) > 9) begin_run();
     SubStripHeader header;
     const GridPoint at = point(left_);
-    if (!name_edge(at, point(right_), header)) refuse_strip("with an edge that is none of the hierarchy");
+    if (!name_edge(at, point(right_), header)) refuse_strip("has an edge that bisection does not make: use strip_of()");
     const GridPoint corner{at.col & -kPatchSide, at.row & -kPatchSide};
     if (patches_.empty() || patches_.back().corner != corner)
       patches_.push_back({static_cast<std::uint32_t>(headers_.size()), corner});
@@ -170,7 +170,8 @@ class Encoder {
   }
 
   std::vector<std::byte> bytes() {
-    if (headers_.size() > std::numeric_limits<std::uint32_t>::max()) refuse_strip("of more than 2^36 triangles");
+    if (headers_.size() > std::numeric_limits<std::uint32_t>::max())
+      refuse_strip("has more than 2^36 triangles: ask for a larger tolerance");
     head_.sub_strips = headers_.size();
     head_.patches = patches_.size();
     StreamWriter out;

@@ -1,5 +1,5 @@
 #pragma once
-// What one triangle of a coded strip means, and what 32 bits say of a sub-strip: docs/format/strip.md.
+// Triangles and sub-strip headers of coded strips: docs/format/strip.md.
 
 #include <array>
 #include <bit>
@@ -11,22 +11,21 @@
 
 namespace talus {
 
-inline constexpr std::uint64_t kSubStrip = 16;   ///< triangles, fewer at the end of a run
-inline constexpr std::int32_t kPatchSide = 512;  ///< cells: as far as nine bits tell columns and rows apart
+inline constexpr std::uint64_t kSubStrip = 16;   ///< triangles of a sub-strip; fewer at the end of a run
+inline constexpr std::int32_t kPatchSide = 512;  ///< cells: columns and rows in a patch need nine bits
 inline constexpr int kMostHeightBits = 32;
 
-/// Which way a triangle turns that follows another one: in every strip that bisection makes, a type follows with one
-/// turn only. A turn is carried on by type A, and turned over by the others once on the hypotenuse: the follow sets are
-/// {AL BR CL} behind AL, BL and CR, and {AR BL CR} behind the other three.
+/// The turn of the next triangle. In a strip made by bisection it follows from the types: type A keeps the turn, the
+/// other types reverse it once on the hypotenuse. {AL BR CL} can follow AL, BL and CR; {AR BL CR} the other three.
 ///
 /// source  [D09 §4.1 and appendix, table 1], as one exclusive or
 [[nodiscard]] constexpr bool turn_behind(StripStep before, StripType type) {
   return before.turns_right() != ((before.type() == StripType::c) != (type == StripType::b));
 }
 
-/// The corner ahead of the edge from `left` to `right`; nothing if it would stand between samples.
+/// The corner ahead of the edge from `left` to `right`; empty if it lies between samples.
 [[nodiscard]] constexpr std::optional<GridPoint> corner_ahead(GridPoint left, GridPoint right, StripStep step) {
-  // Rows run south: seen from above, (col, row) turned left by a right angle is (row, -col).
+  // Rows count south: seen from above, (col, row) turned left by a right angle is (row, -col).
   const std::int64_t dc = std::int64_t{right.col} - left.col, dr = std::int64_t{right.row} - left.row;
   std::int64_t col = left.col, row = left.row;
   if (step.type() == StripType::c) {
@@ -34,7 +33,7 @@ inline constexpr int kMostHeightBits = 32;
     col += (dc + dr) / 2;
     row += (dr - dc) / 2;
   } else {
-    const bool at_left = (step.type() == StripType::a) != step.turns_right();  // the right angle
+    const bool at_left = (step.type() == StripType::a) != step.turns_right();  // position of the right angle
     col += dr + (at_left ? 0 : dc);
     row += -dc + (at_left ? 0 : dr);
   }
@@ -42,17 +41,17 @@ inline constexpr int kMostHeightBits = 32;
   return GridPoint{static_cast<std::int32_t>(col), static_cast<std::int32_t>(row)};
 }
 
-/// Where a sub-strip begins. Its edge is an axis or a diagonal, 2^log cells along both or one of them; one end of it is
-/// the newest entry before its first triangle, the other one two to nine entries back.
+/// The start of a sub-strip. Its edge runs along an axis or a diagonal, over 2^log cells. One end of it is the newest
+/// entry before the first triangle, the other one is two to nine entries back.
 ///
-/// source  [D09 §4.2, fig. 6]: one bit more for the length, for answers larger than a tile, and one for jumps
+/// source  [D09 §4.2, fig. 6], with one bit more for the length (answers larger than a tile) and one for jumps
 struct SubStripHeader {
-  std::uint32_t col = 0, row = 0;  ///< of the left end in its patch
+  std::uint32_t col = 0, row = 0;  ///< position of the left end in its patch
   int log = 0;
-  int direction = 0;  ///< from the left end to the right one, in eighths counter-clockwise from east
-  int offset = 2;     ///< to the older entry
+  int direction = 0;  ///< from the left end to the right one, in eighths of a turn counter-clockwise from east
+  int offset = 2;     ///< how many entries the older end is back
   bool older_is_right = false;
-  bool turns_right = false;  ///< its first triangle
+  bool turns_right = false;  ///< turn of its first triangle
   bool begins_run = false;   ///< two entries with the heights of its edge stand before its first triangle
 
   [[nodiscard]] constexpr std::uint32_t pack() const {
@@ -73,13 +72,13 @@ struct SubStripHeader {
   friend constexpr bool operator==(const SubStripHeader&, const SubStripHeader&) = default;
 };
 
-/// Columns and rows of a step of a direction.
+/// One step in a direction.
 struct Heading {
   int col, row;
 };
 inline constexpr Heading kHeadings[8] = {{1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1, 0}, {-1, 1}, {0, 1}, {1, 1}};
 
-/// An edge as direction and length; false if no triangle of the hierarchy has such a one.
+/// Sets direction and length of an edge; false if no triangle of the hierarchy has such an edge.
 [[nodiscard]] constexpr bool name_edge(GridPoint left, GridPoint right, SubStripHeader& header) {
   const std::int64_t dc = std::int64_t{right.col} - left.col, dr = std::int64_t{right.row} - left.row;
   const std::int64_t across = dc < 0 ? -dc : dc, down = dr < 0 ? -dr : dr, length = across > down ? across : down;
@@ -94,21 +93,21 @@ inline constexpr Heading kHeadings[8] = {{1, 0}, {1, -1}, {0, -1}, {-1, -1}, {-1
 
 }  // namespace talus
 
-/// The header of coded strips, and how numbers lie in bits: docs/format/strip.md.
+/// The header and the bits of coded strips: docs/format/strip.md.
 namespace talus::strip_layout {
 
 inline constexpr std::array<char, 8> kMagic{'T', 'A', 'L', 'S', 'T', 'R', 'I', 'P'};
 inline constexpr std::uint32_t kVersion = 1;
 inline constexpr std::uint64_t kHeaderBytes = 104, kPatchBytes = 12, kChecksumBytes = 8;
-inline constexpr double kMostSteps = 0x1p51;  ///< whole numbers that a double holds, with room for the range
-inline constexpr unsigned kNoType = 3;        ///< of entries that are no triangle
+inline constexpr double kMostSteps = 0x1p51;  ///< a double holds whole numbers up to this, with room for the range
+inline constexpr unsigned kNoType = 3;        ///< type of an entry that is not a triangle
 
 struct Patch {
-  std::uint32_t first = 0;  ///< sub-strip
-  GridPoint corner;         ///< north-west
+  std::uint32_t first = 0;  ///< its first sub-strip
+  GridPoint corner;         ///< north-west corner
 };
 
-/// Everything the header says.
+/// The header of a coded strip.
 struct Head {
   int height_bits = 0;
   GridRect region{{0, 0}, {-1, -1}}, window{{0, 0}, {-1, -1}};
@@ -125,7 +124,7 @@ struct Head {
   }
 };
 
-/// Bits are counted in numbers of eight bytes, little endian in memory.
+/// Bits are read in words of eight bytes, little endian in memory.
 inline std::uint64_t little(std::uint64_t v) {
   if constexpr (std::endian::native == std::endian::big) v = __builtin_bswap64(v);
   return v;

@@ -1,4 +1,4 @@
-// The reader of coded strips. It trusts no number before it is held against the bytes, and no sub-strip before the
+// The reader of coded strips. It checks every number against the size of the bytes, and each sub-strip against the
 // others.
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 using namespace strip_layout;
 
-/// At most 57 bits from anywhere; eight bytes from there on must be readable.
+/// Reads at most 57 bits; eight bytes from there must be readable.
 std::uint64_t bits_at(const std::byte* data, std::uint64_t bit, unsigned count) {
   std::uint64_t word;
   std::memcpy(&word, data + bit / 8, sizeof word);
@@ -31,11 +31,11 @@ bool is_inside(GridRect inner, GridRect outer) { return outer.contains(inner.fir
 Head take_head(std::span<const std::byte> bytes) {
   StreamTaker from(bytes);
   for (const char c : kMagic) {
-    if (from.take<char>() != c) StreamTaker::refuse(0, "not a strip of Talus");
+    if (from.take<char>() != c) StreamTaker::refuse(0, "this is not a strip of Talus");
   }
   if (const auto version = from.take<std::uint32_t>(); version != kVersion)
     throw Failure(Cause::unsupported,
-                  fmt::format("a strip of version {}; this is a reader of version {}", version, kVersion));
+                  fmt::format("the strip has version {}, this program reads version {}", version, kVersion));
   Head head;
   const auto height_bits = from.take<std::uint32_t>();
   head.region = from.rect();
@@ -45,30 +45,30 @@ Head take_head(std::span<const std::byte> bytes) {
   for (std::uint64_t* n : {&head.triangles, &head.runs, &head.sub_strips, &head.patches})
     *n = from.take<std::uint64_t>();
   const std::uint64_t sum = stream_checksum(bytes.first(from.at()), 0);
-  if (from.take<std::uint64_t>() != sum) StreamTaker::refuse(kHeaderBytes - kChecksumBytes, "the header's checksum");
+  if (from.take<std::uint64_t>() != sum)
+    StreamTaker::refuse(kHeaderBytes - kChecksumBytes, "the checksum of the header is wrong");
 
-  if (height_bits > kMostHeightBits) StreamTaker::refuse(12, fmt::format("heights of {} bits", height_bits));
+  if (height_bits > kMostHeightBits) StreamTaker::refuse(12, fmt::format("heights cannot have {} bits", height_bits));
   head.height_bits = static_cast<int>(height_bits);
   constexpr GridRect kGrid{{-kMaxExtent, -kMaxExtent}, {kMaxExtent, kMaxExtent}};
   const bool is_empty = head.triangles == 0;
   if (!is_empty && (!is_inside(head.window, kGrid) || head.window.cols() < 2 || head.window.rows() < 2))
-    StreamTaker::refuse(32, "a window that is none");
+    StreamTaker::refuse(32, "the window is empty or too large");
   if (!(head.step > 0) || !std::isfinite(head.step) || !std::isfinite(head.step * 2 * kMostSteps))
-    StreamTaker::refuse(48, "a height step that is none");
+    StreamTaker::refuse(48, "the height step is not above 0, or too large");
   if (std::abs(static_cast<double>(head.lowest)) > kMostSteps)
-    StreamTaker::refuse(56, "a lowest height that is too low or high");
-  // Each is no more than bytes can hold, so nothing overflows below.
+    StreamTaker::refuse(56, "the lowest height is out of range");
+  // None is larger than the bytes allow, so nothing overflows below.
   const std::uint64_t most = std::uint64_t{8} * bytes.size();
   const bool possible = head.triangles <= most && head.runs <= head.triangles && head.sub_strips <= head.triangles &&
                         head.patches <= head.sub_strips && head.runs <= head.sub_strips &&
                         (is_empty || (head.runs > 0 && head.patches > 0)) &&
                         head.sub_strips <= std::numeric_limits<std::uint32_t>::max();
   if (!possible)
-    StreamTaker::refuse(64,
-                        "numbers of triangles, runs, sub-strips and patches that do not fit each other or the bytes");
+    StreamTaker::refuse(64, "the numbers of triangles, runs, sub-strips and patches contradict each other or the size");
   if (head.bytes() != bytes.size())
     StreamTaker::refuse(std::min<std::uint64_t>(head.bytes(), bytes.size()),
-                        fmt::format("{} bytes in all, where the header says {}", bytes.size(), head.bytes()));
+                        fmt::format("the strip has {} bytes, its header says {}", bytes.size(), head.bytes()));
   return head;
 }
 
@@ -77,13 +77,13 @@ class Decoder {
   Decoder(std::span<const std::byte> bytes, std::uint64_t limit) : head_(take_head(bytes)) {
     if (head_.triangles > limit)
       throw Failure(Cause::unsupported,
-                    fmt::format("a strip of {} triangles, {} at most are wanted", head_.triangles, limit));
+                    fmt::format("the strip has {} triangles, the limit is {}", head_.triangles, limit));
     StreamTaker seal(bytes.last(kChecksumBytes));
     StreamTaker of_header(bytes.subspan(kHeaderBytes - kChecksumBytes));
     const auto seed = of_header.take<std::uint64_t>();
     const auto body = bytes.subspan(kHeaderBytes, bytes.size() - kHeaderBytes - kChecksumBytes);
     if (seal.take<std::uint64_t>() != stream_checksum(body, seed))
-      StreamTaker::refuse(bytes.size() - kChecksumBytes, "the checksum of patches, headers and data");
+      StreamTaker::refuse(bytes.size() - kChecksumBytes, "the checksum of patches, headers and data is wrong");
     StreamTaker from(bytes.subspan(kHeaderBytes), kHeaderBytes);
     take_patches(from);
     headers_at_ = kHeaderBytes + from.at();
@@ -92,7 +92,7 @@ class Decoder {
     tails_at_ = kHeaderBytes + from.at();
     tails_ = from.take(head_.tail_bytes());
     data_at_ = kHeaderBytes + from.at();
-    data_ = from.take(head_.data_bytes()).data();  // a checksum follows, so eight bytes can be read from any of them
+    data_ = from.take(head_.data_bytes()).data();  // a checksum follows, so eight bytes are readable from each of them
     find_sub_strips();
     require_zero_behind_data();
   }
@@ -111,20 +111,20 @@ class Decoder {
   }
 
  private:
-  /// So many sub-strips are one piece of work.
+  /// Sub-strips in one task.
   static constexpr std::size_t kChunk = 1024;
 
   struct Start {
     std::uint64_t entry = 0, triangle = 0;
-    std::size_t run = 0;  ///< how many have begun before
+    std::size_t run = 0;  ///< runs that began before
     std::size_t patch = 0;
   };
 
-  /// A sub-strip, and where what it says goes.
+  /// A sub-strip and the position of its output.
   struct SubStrip {
     SubStripHeader header;
     GridPoint left, right;
-    std::uint64_t triangle = 0, entry = 0;  ///< of its first triangle
+    std::uint64_t triangle = 0, entry = 0;  ///< number of its first triangle and entry
     std::uint64_t count = 0;
     std::size_t number = 0;
   };
@@ -138,7 +138,7 @@ class Decoder {
       patch.corner.row = from.take<std::int32_t>();
       const bool in_order = i == 0 ? patch.first == 0 : patch.first > patches_[i - 1].first;
       if (!in_order || patch.first >= head_.sub_strips || (patch.corner.col | patch.corner.row) % kPatchSide != 0)
-        from.refuse(fmt::format("patch {}", i));
+        from.refuse(fmt::format("patch {} is out of order or outside the strip", i));
     }
   }
 
@@ -150,16 +150,16 @@ class Decoder {
     return begins_run(i + 1) ? tail(run) : kSubStrip;
   }
 
-  /// Entries follow each other without gaps, and only the last sub-strip of a run is shorter: one walk over the headers
-  /// finds where each chunk begins.
+  /// Finds the start of each chunk in one pass over the headers: entries have no gaps, and only the last sub-strip of a
+  /// run is shorter.
   void find_sub_strips() {
     Start at;
     for (std::size_t i = 0; i < headers_.size(); ++i) {
-      if (i == 0 && !begins_run(0)) StreamTaker::refuse(headers_at_, "the first sub-strip begins no run");
+      if (i == 0 && !begins_run(0)) StreamTaker::refuse(headers_at_, "the first sub-strip does not begin a run");
       while (at.patch + 1 < patches_.size() && patches_[at.patch + 1].first <= i) ++at.patch;
       if (i % kChunk == 0) starts_.push_back(at);
       if (begins_run(i)) {
-        if (++at.run > head_.runs) StreamTaker::refuse(headers_at_ + 4 * i, "more runs than the header says");
+        if (++at.run > head_.runs) StreamTaker::refuse(headers_at_ + 4 * i, "there are more runs than the header says");
         at.entry += 2;
       }
       const std::uint64_t count = count_of(i, at.run - 1);
@@ -167,16 +167,16 @@ class Decoder {
       at.triangle += count;
     }
     if (at.run != head_.runs || at.triangle != head_.triangles)
-      StreamTaker::refuse(tails_at_, "sub-strips that are not as many runs and triangles as the header says");
+      StreamTaker::refuse(tails_at_, "the sub-strips have other numbers of runs or triangles than the header says");
   }
 
-  /// One strip has one form.
+  /// Unused bits are 0, so each strip has one form.
   void require_zero_behind_data() const {
     const std::uint64_t used = head_.entries() * head_.entry_bits();
     if (used % 8 != 0 && bits_at(data_, used, static_cast<unsigned>(8 - used % 8)) != 0)
-      StreamTaker::refuse(data_at_ + used / 8, "bits behind the last triangle");
+      StreamTaker::refuse(data_at_ + used / 8, "the bits after the last triangle are not 0");
     if (head_.runs % 2 != 0 && std::to_integer<unsigned>(tails_.back()) >> 4 != 0)
-      StreamTaker::refuse(data_at_ - 1, "bits behind the last run");
+      StreamTaker::refuse(data_at_ - 1, "the bits after the last run are not 0");
   }
 
   template <class Visit>
@@ -215,7 +215,7 @@ class Decoder {
   [[nodiscard]] GridPoint within(std::int64_t col, std::int64_t row, std::size_t i) const {
     const GridRect& w = head_.window;
     if (col < w.first.col || col > w.last.col || row < w.first.row || row > w.last.row)
-      refuse_sub_strip(i, "a vertex outside the window");
+      refuse_sub_strip(i, "a vertex lies outside the window");
     return {static_cast<std::int32_t>(col), static_cast<std::int32_t>(row)};
   }
 
@@ -228,11 +228,11 @@ class Decoder {
   [[nodiscard]] std::uint64_t newer(const SubStrip& sub) const { return sub.entry - 1; }
   [[nodiscard]] std::uint64_t older(const SubStrip& sub) const {
     const auto offset = static_cast<std::uint64_t>(sub.header.offset);
-    if (offset > sub.entry) refuse_sub_strip(sub.number, "an entry before the first one");
+    if (offset > sub.entry) refuse_sub_strip(sub.number, "its edge begins before the first entry");
     return sub.entry - offset;
   }
 
-  /// Its points, heights and triangles, which nobody else writes.
+  /// Writes its own points, heights and triangles only.
   void decode_sub_strip(const SubStrip& sub, Mesh& mesh) const {
     const unsigned width = head_.entry_bits(), height_bits = width - 2;
     const std::uint64_t height_mask = (std::uint64_t{1} << height_bits) - 1;
@@ -240,11 +240,12 @@ class Decoder {
     if (sub.header.begins_run) {
       for (const std::uint64_t before : {std::uint64_t{2}, std::uint64_t{1}}) {
         const std::uint64_t raw = bits_at(data_, (sub.entry - before) * width, width);
-        if (raw >> height_bits != kNoType) refuse_sub_strip(sub.number, "a triangle before the first one of its run");
+        if (raw >> height_bits != kNoType)
+          refuse_sub_strip(sub.number, "a triangle stands before the first one of its run");
         set(mesh, sub.entry - before, before == 2 ? left : right, raw & height_mask);
       }
       if (sub.header.offset != 2 || sub.header.older_is_right)
-        refuse_sub_strip(sub.number, "a run that begins in another one");
+        refuse_sub_strip(sub.number, "its run begins inside another one");
     }
     auto left_entry = static_cast<std::uint32_t>(sub.header.older_is_right ? newer(sub) : older(sub));
     auto right_entry = static_cast<std::uint32_t>(sub.header.older_is_right ? older(sub) : newer(sub));
@@ -252,12 +253,12 @@ class Decoder {
     for (std::uint64_t i = 0; i < sub.count; ++i) {
       const std::uint64_t entry = sub.entry + i, raw = bits_at(data_, entry * width, width);
       const auto code = static_cast<unsigned>(raw >> height_bits);
-      if (code == kNoType) refuse_sub_strip(sub.number, "a triangle without a type");
+      if (code == kNoType) refuse_sub_strip(sub.number, "a triangle has no type");
       const auto type = static_cast<StripType>(code);
       before = StripStep(type, i == 0 ? sub.header.turns_right : turn_behind(before, type));
       const auto ahead = corner_ahead(left, right, before);
       if (!ahead || !head_.window.contains(*ahead))
-        refuse_sub_strip(sub.number, "a vertex between samples or outside the window");
+        refuse_sub_strip(sub.number, "a vertex lies between samples or outside the window");
       set(mesh, entry, *ahead, raw & height_mask);
       mesh.triangles[static_cast<std::size_t>(sub.triangle + i)] = {left_entry, right_entry,
                                                                     static_cast<std::uint32_t>(entry)};
@@ -266,13 +267,13 @@ class Decoder {
     }
   }
 
-  /// Whether the sub-strips before it have the edge where its header says.
+  /// Checks that the earlier sub-strips end at the edge of this one's header.
   void compare_edge(const SubStrip& sub, Mesh& mesh) const {
     const bool right_is_older = sub.header.older_is_right;
     const GridPoint a = mesh.points[static_cast<std::size_t>(older(sub))],
                     b = mesh.points[static_cast<std::size_t>(newer(sub))];
     if ((right_is_older ? b : a) != sub.left || (right_is_older ? a : b) != sub.right)
-      refuse_sub_strip(sub.number, "another edge than the one before it ends at");
+      refuse_sub_strip(sub.number, "its first edge differs from the data before it");
   }
 
   Head head_;
@@ -287,7 +288,7 @@ class Decoder {
 }  // namespace
 
 Mesh decode_strip(std::span<const std::byte> bytes, int threads, std::uint64_t limit) {
-  // Vertices are numbered with 32 bits: one a triangle, and two a run, which has a triangle.
+  // Vertex numbers have 32 bits: one vertex a triangle, and two a run, which has at least one triangle.
   return Decoder(bytes, std::min<std::uint64_t>(limit, std::numeric_limits<std::uint32_t>::max() / 3)).decode(threads);
 }
 

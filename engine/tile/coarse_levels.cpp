@@ -26,7 +26,7 @@ int coarse_level_count(GridRect extent) {
   return levels;
 }
 
-/// Rows and columns of a triangle over some rows, at least: its width changes linearly but for the vertex's row.
+/// Columns that a triangle has on some rows, or more: its width changes linearly except at the vertex's row.
 HalfDiamond::Columns columns_over(const HalfDiamond& t, std::int32_t first, std::int32_t last) {
   auto [lo, hi] = t.columns(first);
   for (const std::int32_t row : {last, std::clamp(t.vertex.row, first, last)}) {
@@ -57,13 +57,13 @@ std::uint64_t key_of(GridPoint vertex, int side) {
 
 }  // namespace
 
-/// One that no tile could measure: it is larger than a tile, or the fill of a corner was not known there.
+/// A half-diamond that no tile could measure: it is larger than a tile, or the fill of a corner was not known there.
 struct CoarseLevels::Large {
   HalfDiamond t;
   Plane<double> plane;
-  double largest = 0;  ///< distance found so far, in codes
+  double largest = 0;  ///< the largest distance found so far, in height codes
   BitRange bits;
-  // The block that may hold the largest:
+  // The block that may have the largest distance:
   double best_bound = -1;
   TileId best_tile;
   std::int32_t best_block = 0;
@@ -169,7 +169,7 @@ std::uint8_t CoarseLevels::apex_triangles_with_data(GridPoint p) const {
   return bits;
 }
 
-/// A half holds what its two children hold; they have the vertex at their right angle.
+/// A half holds what its two children hold; the children have their right angle at the vertex.
 void CoarseLevels::hold_large_halves() {
   for (int shift = kTileShift - kBlockShift; shift < holds_.levels(); ++shift) {
     for (const bool centres : {false, true}) {
@@ -184,8 +184,8 @@ void CoarseLevels::hold_large_halves() {
 
 // ---- voids far from data ---------------------------------------------------------------------------
 
-/// Void vertices without data within a tile's reach, that a triangle with data can need: the typical height, nearest to
-/// the middle of their range, of the nearest blocks that hold data.
+/// Fills void vertices without data within a tile's reach that a triangle with data can need. Among the nearest blocks
+/// with data, it takes the typical height that is nearest to the middle of their range.
 void CoarseLevels::fill_far_voids() {
   std::erase_if(without_fill_, [&](GridPoint unit) {
     return !units_.contains(unit) || height_in_tree(unit) >= errors_.levels() ||
@@ -247,8 +247,8 @@ void CoarseLevels::collect_large() {
   }
 }
 
-/// visit(Large&) for each that may touch a sample of the tile's own square: halves lie in squares of side 2s; where the
-/// tile begins with such a square, its first samples lie on the square before, too.
+/// visit(Large&) for each half that may touch a sample of the tile's own square. Halves lie in squares of side 2s; a
+/// tile that begins with such a square has its first samples on the square before, too.
 template <class Visit>
 void CoarseLevels::for_each_large_touching(TileId id, Visit&& visit) {
   const GridRect own{{id.x * kTileSide, id.y * kTileSide},
@@ -277,8 +277,8 @@ void CoarseLevels::for_each_large_touching(TileId id, Visit&& visit) {
   }
 }
 
-/// How far the samples of a block can lie from a half's plane; the fitted plane carries its own rounding, the
-/// comparison gets as much again.
+/// An upper bound of the distance of a block's samples from a half's plane. The fitted plane includes its own rounding;
+/// the comparison adds as much again.
 static double bound_of(const TileRecord::Block& b, GridRect square, const Plane<double>& plane) {
   constexpr std::int32_t kHalf = kBlockSide / 2;
   const double there = plane.base + plane.down * (square.first.row + kHalf - plane.row) +
@@ -331,7 +331,7 @@ void CoarseLevels::look(Large& half, const Page& page, GridRect block) const {
   }
 }
 
-/// Page by page, so that each is read back at most once.
+/// Measures the halves that touch a tile, page by page, so that each page is read back at most once.
 void CoarseLevels::look_in(TileId id, const TileSummary& summary, const ReadBack& read_back) {
   std::vector<Large*> here;
   for_each_large_touching(id, [&](Large& half) { here.push_back(&half); });
@@ -366,7 +366,7 @@ void CoarseLevels::measure_large(const ForEachTile& tiles, const ReadBack& read_
   if (!read_back) {
     for (Large& half : large_) half.largest = std::max(half.largest, half.best_bound);
   }
-  for (Large& half : large_) {  // the block that promises most first: then few others can exceed it
+  for (Large& half : large_) {  // first the block with the highest bound: then few others can exceed it
     if (half.best_bound <= half.largest) continue;
     const GridRect square = square_of_block(half.best_tile, half.best_block);
     ++pages_read_back_;
@@ -384,7 +384,7 @@ void CoarseLevels::measure_large(const ForEachTile& tiles, const ReadBack& read_
   }
 }
 
-/// Of all levels: these distances need no sample but the vertex and the ends of its side.
+/// Measures all levels when errors need only the heights of the vertex and the ends of its side.
 void CoarseLevels::measure_middles() {
   for (int shift = 0; shift < errors_.levels(); ++shift) {
     for (const bool centres : {false, true}) {
@@ -405,7 +405,7 @@ void CoarseLevels::measure_middles() {
 
 // ---- saturation ------------------------------------------------------------------------------------
 
-/// The largest error among a vertex's children; beyond the rim every error is zero.
+/// The largest error of a vertex's children; outside the rim every error is zero.
 ErrorCode CoarseLevels::below(int shift, bool centres, GridPoint unit) const {
   ErrorCode largest = 0;
   if (shift == 0 && !centres) {
@@ -424,7 +424,7 @@ ErrorCode CoarseLevels::below(int shift, bool centres, GridPoint unit) const {
   return largest;
 }
 
-/// See saturate() of engine/error/saturation: a rounding margin must not hide that everything is interpolated exactly.
+/// See saturate() in engine/error/saturation: a rounding margin must not hide that interpolation is exact.
 bool CoarseLevels::is_exactly_zero(GridPoint unit) const {
   const Diamond d = diamond(unit);
   if (!units_.contains(unit) || !units_.contains(d.ends[0]) || !units_.contains(d.ends[1])) return false;

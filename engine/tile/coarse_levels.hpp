@@ -1,9 +1,8 @@
 #pragma once
-// Stage two of ingest: the vertices of spacing kBlockSide and more, from what the tiles have left of themselves. About
-// 1/4096 of all vertices, so they are held in memory.
+// Stage two of ingest: the vertices of spacing kBlockSide or more (1/4096 of all), in memory, from the tile records.
 //
-// A half-diamond of spacing 64 to 512 lies in one tile and was measured there. Larger ones are measured here: planes
-// over blocks bound what each block can contribute, and only blocks that can matter are looked at again.
+// A half-diamond of spacing 64 to 512 lies in one tile and was measured there. Larger ones are measured here: the plane
+// of each block bounds the distance of its samples, and only blocks that can have the largest one are read again.
 
 #include <functional>
 #include <unordered_map>
@@ -13,10 +12,10 @@
 
 namespace talus {
 
-/// Calls visit(tile, summary) for every tile that has one, in any order, always the same.
+/// Calls visit(tile, summary) for every tile with a summary, always in the same order.
 using ForEachTile = std::function<void(const std::function<void(TileId, const TileSummary&)>&)>;
-/// A page of band 0 with its heights, until the next call. Null where none is stored: no sample there is data.
-/// No function: pages do not have all heights, and what planes bound is taken for the distance.
+/// A page of band 0 with its heights, valid until the next call; null: it is not stored, so it holds voids only. An
+/// empty function: pages do not have all heights, so the bound of a plane counts as the distance.
 using ReadBack = std::function<const Page*(PageId)>;
 
 class CoarseLevels {
@@ -26,19 +25,19 @@ class CoarseLevels {
                ErrorRule rule = {});
   ~CoarseLevels();
 
-  /// Takes over all tiles, measures what is larger than a tile, and saturates.
+  /// Reads all tile summaries, measures what is larger than a tile, and saturates.
   void settle(const ForEachTile& tiles, const ReadBack& read_back);
 
-  // Of vertices on every 64th sample of the extent:
-  [[nodiscard]] ErrorCode error(GridPoint p) const;  ///< saturated
+  // Vertices on every 64th sample of the extent:
+  [[nodiscard]] ErrorCode error(GridPoint p) const;  ///< saturated error
   [[nodiscard]] double height(GridPoint p) const { return posts_[post(p)]; }
   [[nodiscard]] bool is_valid(GridPoint p) const { return post_valid_[post(p)] != 0; }
   [[nodiscard]] bool has_voids() const { return has_voids_; }
-  /// log2 of the root's side: vertices as high in the tree are its corners.
+  /// log2 of the root's side, which is the height in the tree of its corners.
   [[nodiscard]] int root_height() const { return errors_.levels() + kBlockShift; }
-  /// As VoidMap::apex_triangles_with_data.
+  /// See VoidMap::apex_triangles_with_data.
   [[nodiscard]] std::uint8_t apex_triangles_with_data(GridPoint p) const;
-  /// Pages read back while settling.
+  /// Number of pages that settle() read back.
   [[nodiscard]] std::uint64_t pages_read_back() const { return pages_read_back_; }
 
  private:
@@ -66,8 +65,8 @@ class CoarseLevels {
   [[nodiscard]] bool has_block(std::int32_t x, std::int32_t y) const;
 
   GridRect extent_;
-  GridRect units_;   ///< posts inside the extent, in units of kBlockSide; empty where none is
-  GridRect blocks_;  ///< blocks that touch the extent and one more on every side
+  GridRect units_;   ///< posts inside the extent, in units of kBlockSide; empty: none
+  GridRect blocks_;  ///< blocks that touch the extent, and one more on every side
   CodeDistance distance_;
   GroundSide ground_side_;
   double void_weight_;
@@ -79,10 +78,10 @@ class CoarseLevels {
   std::vector<std::uint8_t> block_holds_;
   std::vector<double> posts_;
   std::vector<std::uint8_t> post_valid_;
-  std::vector<std::pair<GridPoint, double>> typical_;  ///< of blocks with data
+  std::vector<std::pair<GridPoint, double>> typical_;  ///< typical heights of blocks with data
   std::vector<GridPoint> without_fill_;                ///< in units
   std::vector<Large> large_;
-  int smallest_shift_ = kTileShift - kBlockShift;  ///< of spacings in large_, in units
+  int smallest_shift_ = kTileShift - kBlockShift;  ///< log2 of the smallest spacing in large_, in units
   std::unordered_map<std::uint64_t, std::size_t> large_at_;
   std::uint64_t pages_read_back_ = 0;
 };

@@ -30,7 +30,7 @@ class FarVertices {
   FarVertices(const TileInput& tile, const ErrorInput& input, TileRecord& record)
       : tile_(closed_tile(tile.id)), extent_(tile.extent), input_(input), record_(record) {}
 
-  /// shapes  of the blocks that own the closed tile's samples
+  /// shapes  of the blocks with the closed tile's samples
   void run(std::span<const detail::BlockShape> shapes, GridRect blocks) {
     if (input_.voids != nullptr) find_missing_fills();
     for (std::int32_t s = kBlockSide; s < kTileSide; s *= 2) {
@@ -91,7 +91,7 @@ class FarVertices {
     if (holds == kMixed) {
       record_.errors[index(p)] = std::max(record_.errors[index(p)], error_code(detail::mixed_error(input_, t)));
     }
-    if (!input_.rule.measures_samples()) return;  // the levels above tiles have all that it takes
+    if (!input_.rule.measures_samples()) return;  // the coarse levels need no more for these errors
     if (has_fill(t.apex) && has_fill(t.a) && has_fill(t.b)) {
       halves_.push_back(t);
     } else {
@@ -101,7 +101,7 @@ class FarVertices {
 
   [[nodiscard]] bool has_fill(GridPoint p) const { return (record_.holds[index(p)] & TileRecord::kNoFill) == 0; }
 
-  /// A half holds what its two children hold; they have the vertex at their right angle.
+  /// A half holds what its two children hold; the children have their right angle at the vertex.
   [[nodiscard]] Holds held(GridPoint p, int side) const {
     if (input_.voids == nullptr) return kData;
     const auto triangles = apex_triangles(p);

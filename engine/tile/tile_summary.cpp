@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::byte kVersion{2};
 
-/// Runs `field` over every field in the order of the format, writing and reading alike.
+/// Runs `field` over every field in the order of the format, for writing and for reading.
 template <class Summary, class Field>
 void for_each_field(Summary& s, Field&& field) {
   for (auto& b : s.record.blocks) field(b.error);
@@ -75,27 +75,27 @@ std::vector<std::byte> encode(const TileSummary& summary) {
   std::vector<std::byte> bytes(1 + ZSTD_compressBound(plain.size()));
   bytes[0] = kVersion;
   const std::size_t size = ZSTD_compress(bytes.data() + 1, bytes.size() - 1, plain.data(), plain.size(), 3);
-  if (ZSTD_isError(size) != 0) throw Failure(Cause::io, "zstd refuses a tile record");
+  if (ZSTD_isError(size) != 0) throw Failure(Cause::io, "zstd cannot compress a tile record");
   bytes.resize(1 + size);
   return bytes;
 }
 
 TileSummary decode_tile_summary(std::span<const std::byte> bytes) {
-  if (bytes.empty() || bytes[0] != kVersion) refuse("another version");
+  if (bytes.empty() || bytes[0] != kVersion) refuse("its version is unknown");
   std::vector<std::byte> plain(plain_bytes());
   const std::size_t size = ZSTD_decompress(plain.data(), plain.size(), bytes.data() + 1, bytes.size() - 1);
-  if (ZSTD_isError(size) != 0 || size != plain.size()) refuse("does not unpack");
+  if (ZSTD_isError(size) != 0 || size != plain.size()) refuse("it cannot be unpacked");
   TileSummary summary;
   const std::byte* from = plain.data();
   for_each_field(summary, [&](auto& v) {
     if constexpr (std::is_same_v<decltype(v), bool&>) {
-      if (*from > std::byte{1}) refuse("a truth value that is none");
+      if (*from > std::byte{1}) refuse("a flag is neither 0 nor 1");
     }
     std::memcpy(&v, from, sizeof v);
     from += sizeof v;
     if constexpr (std::is_same_v<decltype(v), double&> || std::is_same_v<decltype(v), float&>) {
-      // Of a tile without data, lowest and highest may be infinite; nothing may be NaN.
-      if (std::isnan(v)) refuse("a number that is none");
+      // The lowest and highest heights of a tile without data may be infinite. NaN is always wrong.
+      if (std::isnan(v)) refuse("a number is NaN");
     }
   });
   return summary;

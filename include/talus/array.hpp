@@ -1,5 +1,5 @@
 #pragma once
-// Arrays as large as an answer.
+// Array: a vector for the large arrays of an answer.
 
 #include <cstddef>
 #include <memory>
@@ -10,14 +10,13 @@
 namespace talus {
 
 namespace detail {
-/// From a megabyte up in the system's large pages, where it has them: a fresh page of memory costs more than what goes
-/// in.
+/// Memory in the system's large pages from one megabyte up: the first write to a page is what costs most.
 /// fails  std::bad_alloc
 [[nodiscard]] void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 }  // namespace detail
 
-/// Leaves new elements as they are, instead of writing zeros that are overwritten at once.
+/// An allocator that leaves new elements unset: they are overwritten at once.
 template <class T>
 struct ArrayAllocator {
   using value_type = T;
@@ -38,7 +37,7 @@ struct ArrayAllocator {
   friend bool operator==(ArrayAllocator, ArrayAllocator) { return true; }
 };
 
-/// A std::vector of plain numbers and points whose resize does not set what it adds.
+/// A std::vector of numbers or points whose resize() leaves new elements unset.
 template <class T>
 using Array = std::vector<T, ArrayAllocator<T>>;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What questions cost.
+// The cost of questions.
 
 #include <cstddef>
 #include <cstdint>
@@ -7,29 +7,27 @@
 
 namespace talus {
 
-/// What became of the pages of one band. A question about a region goes from the coarsest pages down: it looks into a
-/// page, and what that says of the pages below it decides which of these it looks into. A page is counted once, however
-/// often it is looked into. Questions about points and lines only count what they read.
+/// Pages of one band that a question met. A question goes from the coarsest pages down, and a page tells which pages
+/// below it are needed. Each page counts once. Questions about points and lines fill in the last three numbers only.
 struct BandCost {
-  std::int32_t spacing = 1;  ///< of the band's finest vertices, in cells; the coarsest band has all coarser ones, too
+  std::int32_t spacing = 1;     ///< of the band's finest vertices, in cells; the coarsest band has all levels above
   std::uint64_t in_region = 0;  ///< squares of pages that meet the region, stored or not
 
-  // Looked into, because
-  std::uint64_t wanted = 0;  ///< they may hold something above the tolerance, or of a coarser band's lie above such
-  std::uint64_t needed =
-      0;  ///< the border or a point asked for needs something there, though nothing is above the tolerance
-  std::uint64_t beyond = 0;  ///< triangles that reach out of the region end there; not among those of the region
+  // Pages that were used:
+  std::uint64_t wanted = 0;  ///< an error in or below them may be above the tolerance
+  std::uint64_t needed = 0;  ///< only the border or a point of interest needs them
+  std::uint64_t beyond = 0;  ///< outside the region: triangles that cross its side end there
 
-  // Left out, because
-  std::uint64_t below_tolerance = 0;  ///< nothing in them or below them is above it
-  std::uint64_t too_fine = 0;         ///< their levels are finer than the one asked for
-  std::uint64_t only_voids = 0;       ///< they are not stored
-  std::uint64_t outside = 0;          ///< they do not meet the region, but a page above them does
+  // Pages that were left out:
+  std::uint64_t below_tolerance = 0;  ///< all errors in and below them are within the tolerance
+  std::uint64_t too_fine = 0;         ///< their levels are finer than Question::max_level
+  std::uint64_t only_voids = 0;       ///< they are not stored, because they hold voids only
+  std::uint64_t outside = 0;          ///< they lie outside the region, but a page above them does not
 
-  // What that took; a page looked into twice may be read, or found decoded, twice.
+  // What was read. A page that is used twice may be read twice, or found in the cache twice.
   std::uint64_t pages_read = 0, bytes_read = 0, pages_cached = 0;
 
-  /// Of the same band.
+  /// Adds the numbers of the same band.
   BandCost& operator+=(const BandCost& other) {
     for (const auto count : {&BandCost::in_region, &BandCost::wanted, &BandCost::needed, &BandCost::beyond,
                              &BandCost::below_tolerance, &BandCost::too_fine, &BandCost::only_voids, &BandCost::outside,
@@ -37,20 +35,20 @@ struct BandCost {
       this->*count += other.*count;
     return *this;
   }
-  /// In the region, and never asked about: the page above was left out.
+  /// Pages in the region that were not looked at, because a page above them was left out.
   [[nodiscard]] std::uint64_t unasked() const {
     return in_region - wanted - needed - below_tolerance - too_fine - only_voids;
   }
 };
 
-/// What an answer cost. Bytes are those of all page values fetched, header and coarse pages included.
+/// The cost of an answer. `bytes_read` includes the header and the coarse pages.
 struct QueryCost {
   std::uint64_t pages_read = 0, bytes_read = 0;
   double seconds = 0;
-  std::uint64_t pages_cached = 0;  ///< found decoded, and neither read nor counted as read
-  double reading_seconds = 0;      ///< of `seconds`: fetching, checking and decoding pages; of several threads the mean
-  double gathering_seconds = 0;    ///< and making a quadtree of what was chosen; the rest is choosing
-  std::vector<BandCost> bands;     ///< finest first; the header is in none
+  std::uint64_t pages_cached = 0;  ///< pages found in the cache; pages_read does not include them
+  double reading_seconds = 0;      ///< part of `seconds` for reading, checking, decoding pages; mean of all threads
+  double gathering_seconds = 0;    ///< part of `seconds` for making the quadtree; the rest is selection
+  std::vector<BandCost> bands;     ///< finest first; the header belongs to no band
 
   QueryCost& operator+=(const QueryCost& other) {
     pages_read += other.pages_read;

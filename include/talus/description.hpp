@@ -1,5 +1,5 @@
 #pragma once
-// What a raster or a database says of itself.
+// Description: what Talus knows of a raster or a database.
 
 #include <cstdint>
 #include <optional>
@@ -12,101 +12,100 @@
 
 namespace talus {
 
-/// Of which samples a vertex's error tells. None is below that of a vertex that depends on it.
+/// Which samples the error of a vertex looks at. A vertex never has a smaller error than its descendants.
 enum class ErrorKind : std::uint8_t {
-  exact,  ///< the largest distance of any sample from the two triangles that stand there without the vertex
-  /// The distance of the vertex from the middle of their common side, and the largest of its children's errors
+  exact,  ///< the largest distance of any sample in its diamond from the surface without the vertex
+  /// The distance of the vertex alone, plus the largest error of its children. Never below exact: answers keep their
+  /// bound and have more vertices than they need.
   nested,
-  ///< on top: never below exact, so answers keep their bound with more vertices than they need
-  midpoint,  ///< the distance of the vertex alone: no bound at all, there to be compared with
+  midpoint,  ///< the distance of the vertex alone: no bound, for comparison
 };
 
-/// In which direction: along the vertical, or at right angles to the triangle [P98 §5], which is never more. Cells are
-/// then as large as on the row of the vertex.
+/// The direction of the distance: vertical, or at right angles to the triangle [P98 §5], which is never larger. Cells
+/// count as large as on the row of the vertex.
 enum class ErrorMetric : std::uint8_t { vertical, perpendicular };
 
-/// As they stand in manifests and on command lines.
+/// Names as in manifests and on command lines.
 [[nodiscard]] const char* name_of(ErrorKind kind);
 [[nodiscard]] const char* name_of(ErrorMetric metric);
 [[nodiscard]] std::optional<ErrorKind> error_kind_named(std::string_view name);
 [[nodiscard]] std::optional<ErrorMetric> error_metric_named(std::string_view name);
 
-/// How stored height codes become the source's values, bit for bit:
-/// value = code · scale / divisor + offset, in that order, in double.
-/// Sources in floats that sit on no step have scale = divisor = 1, offset = 0 and integer = false.
+/// How a stored height code becomes the source's value, bit for bit:
+/// value = code · scale / divisor + offset, in this order, in double.
+/// Float sources without a common step have scale = divisor = 1, offset = 0 and integer = false.
 struct HeightStep {
   double scale = 1, divisor = 1, offset = 0;
-  bool integer = true;  ///< codes are whole numbers; otherwise a code is the source's own float
+  bool integer = true;  ///< codes are whole numbers; false: a code is the source's own float
   friend bool operator==(const HeightStep&, const HeightStep&) = default;
   [[nodiscard]] double value(double code) const {
     return integer ? code * scale / divisor + offset : code;  // a float keeps its sign of zero
   }
 };
 
-/// What Talus needs to know of a coordinate reference system. Ingest asks PROJ once and writes it down, so that a
-/// program that only reads needs no library for it. The defaults describe no CRS: coordinates are metres.
+/// Facts about a coordinate reference system. Ingest reads them from PROJ once and stores them, so reading needs no
+/// PROJ. The defaults mean no CRS: coordinates are metres.
 struct CrsFacts {
   std::string name;                              ///< "WGS 84 / UTM zone 32N"; empty: no CRS
-  int epsg = 0;                                  ///< its number in the EPSG registry; 0: it has none
+  int epsg = 0;                                  ///< EPSG number; 0: none
   bool is_geographic = false;                    ///< x is the longitude, y the latitude
-  double metres_per_unit = 1;                    ///< of x and y, unless geographic
-  double degrees_per_unit = 1;                   ///< of x and y, if geographic
-  double equatorial_radius = 0, flattening = 0;  ///< of the ellipsoid, if geographic; the radius in metres
+  double metres_per_unit = 1;                    ///< unit of x and y, unless geographic
+  double degrees_per_unit = 1;                   ///< unit of x and y, if geographic
+  double equatorial_radius = 0, flattening = 0;  ///< the ellipsoid, if geographic; radius in metres
   friend bool operator==(const CrsFacts&, const CrsFacts&) = default;
 };
 
 struct Description {
-  GridRect extent{{0, 0}, {-1, -1}};  ///< all samples, outermost rows and columns included
+  GridRect extent{{0, 0}, {-1, -1}};  ///< the rectangle of all samples
   GridMapping mapping;
-  std::string crs_wkt;         ///< empty: none, cells count as metres
-  CrsFacts crs;                ///< what crs_wkt says, as far as Talus needs it
+  std::string crs_wkt;         ///< empty: none, cell sizes count as metres
+  CrsFacts crs;                ///< facts from crs_wkt
   std::string source_name;     ///< file name of the source, without its folder
   std::string source_type;     ///< GDAL's name of the sample type: Int16, Float32 …
-  std::string vertical_unit;   ///< as the source says it; "metre" where it says nothing
-  double metres_per_unit = 1;  ///< of the vertical unit
+  std::string vertical_unit;   ///< as the source states it; "metre" if it states none
+  double metres_per_unit = 1;  ///< metres in one vertical unit
   HeightStep step;
   double minimum = 0, maximum = 0;  ///< heights of valid samples, in the vertical unit
   std::uint64_t void_samples = 0;
   double void_weight = 1;   ///< see IngestOptions
-  double lossy_metres = 0;  ///< how far stored heights may lie from the source's; part of every answer's bound
-  /// The tolerance of the finest answer: vertices that it does not select were not kept. 0: all samples were.
+  double lossy_metres = 0;  ///< the largest distance between stored and source heights; part of every bound
+  /// The tolerance of the finest answer: only its vertices were kept. 0: all samples were kept.
   double finest_tolerance = 0;
   ErrorKind error_kind = ErrorKind::exact;
   ErrorMetric error_metric = ErrorMetric::vertical;
-  /// Whether a tolerance is kept along the vertical, as all that rounds heights or leaves them out relies on.
+  /// Whether answers have a vertical bound. Everything that rounds heights or leaves them out needs one.
   [[nodiscard]] bool has_vertical_bound() const {
     return error_kind != ErrorKind::midpoint && error_metric == ErrorMetric::vertical;
   }
-  /// Metres: heights of vertices whose error is not above were not kept. 0: all were.
+  /// Vertices with an error within this were not kept, in metres. 0: all were kept.
   [[nodiscard]] double kept_above() const {
     return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0;
   }
 };
 
-/// One file that a database was made from.
+/// One input file of a database.
 struct SourceFile {
   std::string name;  ///< without its folder
   std::string driver, type;
   std::int64_t cols = 0, rows = 0;
-  std::uint64_t bytes = 0, checksum = 0;  ///< of the file: size and XXH3 of 64 bits
+  std::uint64_t bytes = 0, checksum = 0;  ///< size and XXH3 (64 bits) of the file
 };
 
-/// Which database, and which state of it. Two files with one identity were made of the same inputs with the same
-/// options, so that they give the same answers.
+/// A database and its state. Two files with the same identity have the same inputs and options, and the same answers.
 struct Identity {
-  std::uint64_t content = 0;     ///< XXH3 over manifest and provenance, which hold the inputs' checksums; 0: not known
-  std::uint32_t generation = 0;  ///< updates so far
+  std::uint64_t content = 0;     ///< XXH3 of manifest and provenance (with the inputs' checksums); 0: not known
+  std::uint32_t generation = 0;  ///< number of updates
   friend bool operator==(const Identity&, const Identity&) = default;
 };
 
-/// How a database came about.
+/// How a database was made.
 struct Provenance {
-  Identity identity;                ///< the state that was read; not part of what is stored
-  std::vector<SourceFile> sources;  ///< in the order in which they were laid
-  std::string made_by;              ///< program, version and options that matter to the content
-  std::uint32_t generation = 0;     ///< updates so far
-  /// How many vertices of spacing below 64, which are all but one in 4096, a tolerance selects before any border:
-  /// (tolerance in metres, vertices), rising tolerance.
+  Identity identity;                ///< the state that was read; not stored here
+  std::vector<SourceFile> sources;  ///< in the order of ingest
+  std::string made_by;              ///< program, version and the options that change the content
+  std::uint32_t generation = 0;     ///< number of updates
+  /// (tolerance in metres, vertices with an error above it), rising tolerance. It counts vertices with a spacing below
+  /// 64, which are all but one in 4096, without those that only a border needs.
   std::vector<std::pair<double, std::uint64_t>> vertices_above;
 };
 
@@ -114,7 +113,7 @@ struct Provenance {
 struct SampleWindow {
   GridRect region{{0, 0}, {-1, -1}};
   std::vector<double> values;       ///< in the vertical unit; unspecified where void
-  std::vector<std::uint8_t> valid;  ///< 1 where the sample is data
+  std::vector<std::uint8_t> valid;  ///< 1: valid, 0: void
 
   [[nodiscard]] std::size_t index(GridPoint p) const {
     return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +

@@ -1,5 +1,5 @@
 #pragma once
-// The one type Talus throws.
+// Failure: the only exception type that Talus throws.
 
 #include <filesystem>
 #include <new>
@@ -10,28 +10,28 @@
 
 namespace talus {
 
-/// Why something could not be done. The numbers are part of the interface and never change meaning.
+/// Why something failed. The numbers are part of the interface and keep their meaning.
 enum class Cause : int {
-  invalid_argument = 1,  ///< the caller asked for something that has no answer
-  not_found = 2,         ///< no such file
-  corrupt = 3,           ///< not a database, or a damaged one
-  unsupported = 4,       ///< another version, or an input Talus does not take
+  invalid_argument = 1,  ///< an argument is wrong
+  not_found = 2,         ///< the file does not exist
+  corrupt = 3,           ///< the file is damaged, or is not a database
+  unsupported = 4,       ///< the file has another version, or Talus cannot read this input
   full = 5,              ///< the disk is full
   io = 6,                ///< reading or writing failed
-  cancelled = 7,         ///< the caller's std::stop_token asked for the end
-  too_large = 8,         ///< the answer needs more than the caller's limits allow, see Limits
-  out_of_memory = 9,     ///< the system has no memory left to give
+  cancelled = 7,         ///< the caller's std::stop_token asked to stop
+  too_large = 8,         ///< the answer needs more than the caller's Limits allow
+  out_of_memory = 9,     ///< the system has no free memory
 };
 
 [[nodiscard]] std::string_view to_string(Cause cause);
 
-/// A failure and the sentence that explains it: which file, which value, what was expected, what to do.
+/// A cause and a sentence: which file or value, what is wrong, what to do.
 ///
-/// Where a field of an options struct would help, the sentence names it in full, for instance
-/// `InputOptions::allow_outside`; a program that offers it under another name can replace the word.
+/// Where an option would help, the sentence has its full name, for instance `InputOptions::allow_outside`. A program
+/// that has another name for the option can replace it.
 class Failure : public std::runtime_error {
  public:
-  /// file  the file that is at fault, as the caller named it; empty: no file is
+  /// file  the file at fault, as the caller named it; empty: no file is at fault
   Failure(Cause cause, const std::string& sentence, std::filesystem::path file = {})
       : std::runtime_error(sentence), cause_(cause), file_(std::move(file)) {}
   [[nodiscard]] Cause cause() const noexcept { return cause_; }
@@ -42,7 +42,7 @@ class Failure : public std::runtime_error {
   std::filesystem::path file_;
 };
 
-/// work(); a failure of it that names no file names this one.
+/// Runs work(). A failure that names no file gets `file`.
 template <class Work>
 decltype(auto) blaming(const std::filesystem::path& file, Work&& work) {
   try {
@@ -53,14 +53,14 @@ decltype(auto) blaming(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-/// work() at a public door: where the system has no memory left, the caller gets a Failure with Cause::out_of_memory.
+/// Runs work(). When memory runs out, throws a Failure with Cause::out_of_memory.
 template <class Work>
 decltype(auto) within_memory(Work&& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
     throw Failure(Cause::out_of_memory, "out of memory");
-  } catch (const std::length_error&) {  // more than a container can ever hold
+  } catch (const std::length_error&) {  // the array would be longer than any container allows
     throw Failure(Cause::out_of_memory, "out of memory");
   }
 }

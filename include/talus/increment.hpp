@@ -1,29 +1,29 @@
 #pragma once
-// What an answer lacks of a finer one, and how the two become one.
+// The increment between two tolerances, and how to merge it.
 
 #include "talus/cost.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
 
-/// The vertices whose errors lie above one tolerance and within another. What the region's border needs whatever the
-/// tolerance is none of them: it came with the first answer.
+/// The vertices with an error above one tolerance (`from`) and within a finer one. It has no vertices that the region's
+/// border needs at every tolerance: the first answer has them.
 ///
-/// `added` has everything of an answer at the finer tolerance but its other vertices: region, tolerance, bound, origin.
-/// Its vertices alone are not closed under their parents; they are once merged.
+/// `added` has the region, tolerance, bound and origin of the finer answer, but only the new vertices. They become a
+/// closed set (each vertex with its parents) when merged.
 struct Increment {
   RestrictedQuadtree added;
-  Metres from;     ///< of the answer that it goes on from; added.tolerance is below it
-  QueryCost cost;  ///< of asking; no part of its serialised form
+  Metres from;     ///< tolerance of the coarser answer, above added.tolerance
+  QueryCost cost;  ///< cost of the question; streams do not store it
 };
 
-/// The answer at the increment's tolerance, bit for bit as Snapshot::ask gives it: vertices, heights, covers,
-/// tolerance, bound and origin. Chains of any length come out the same.
+/// The answer at the finer tolerance, equal to Snapshot::ask bit for bit: vertices, heights, covers, tolerance, bound
+/// and origin. Increments can be merged one after another.
 ///
-/// answer      at the tolerance that the increment goes on from, of the same region and the same state of the same
-///             database; asked with nothing but a region and a tolerance, or merged from such
-/// fails       invalid_argument: any other
-/// cost        linear in both, and a bit a sample of the region
+/// answer      the answer at `increment.from` for the same region and the same state of the database. Its question had
+///             a region and a tolerance only; or it was merged from such an answer
+/// fails       invalid_argument: the answer is another one
+/// cost        linear in both, plus one bit a sample of the region
 [[nodiscard]] RestrictedQuadtree merge(const RestrictedQuadtree& answer, const Increment& increment);
 
 }  // namespace talus

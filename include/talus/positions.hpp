@@ -1,5 +1,5 @@
 #pragma once
-// A mesh as arrays of coordinates, as graphics libraries and GPUs take them.
+// A mesh as arrays of coordinates for graphics libraries and GPUs.
 
 #include <cstdint>
 #include <span>
@@ -11,39 +11,38 @@
 
 namespace talus {
 
-/// In which coordinates the corners of a mesh are wanted.
+/// The coordinate system of the result.
 enum class Coordinates : std::uint8_t {
   crs,    ///< x and y in units of the CRS, z in the vertical unit
   local,  ///< metres east, north and up from an origin
-  ecef,   ///< metres from the centre of the Earth; the CRS must be geographic
+  ecef,   ///< metres from the centre of the Earth (geographic CRS only)
 };
 
-/// Where `Coordinates::local` counts from.
+/// The origin of `Coordinates::local`.
 struct LocalOrigin {
   Position position;  ///< in the CRS
   double height = 0;  ///< in the vertical unit
 };
 
-/// x, y and z of each corner, one after the other: positions[3·i] is x of corner i. mesh.triangles are indices into it.
+/// Coordinates of all corners. positions[3·i], [3·i + 1], [3·i + 2] are x, y, z of corner i; mesh.triangles index i.
 ///
-/// In a geographic CRS `local` is the plane that touches the ellipsoid at the origin, and the Earth curves away beneath
-/// it; heights count as heights above the ellipsoid, whatever they count from. In other systems `local` is the CRS moved
-/// to the origin, in metres.
+/// In a geographic CRS, `local` is the plane that touches the ellipsoid at the origin; the Earth curves away below it.
+/// Heights count as heights above the ellipsoid. In other systems `local` is the CRS in metres, moved to the origin.
 ///
-/// fails  invalid_argument: an origin that is no finite number, a latitude beyond a pole; unsupported: ecef where the CRS
-///        is not geographic
-/// cost   linear; 24 bytes a corner. Any number of threads may call it
+/// fails  invalid_argument: an origin that is not finite or has a latitude beyond a pole; unsupported: ecef in a CRS
+///        that is not geographic
+/// cost   linear; 24 bytes a corner. Any number of threads may call it at once
 [[nodiscard]] std::vector<double> positions(const Mesh& mesh, const Description& description,
                                             Coordinates coordinates = Coordinates::crs, const LocalOrigin& origin = {});
 
-/// The same as floats, rounded once: choose `local` with an origin in or near the mesh, or digits are lost.
+/// The same as float. Use `local` with an origin in or near the mesh: large coordinates lose digits in float.
 [[nodiscard]] std::vector<float> float_positions(const Mesh& mesh, const Description& description,
                                                  Coordinates coordinates, const LocalOrigin& origin = {});
 
-/// A unit vector for each corner: the mean of the normals of its triangles, each weighted by its area.
+/// One unit normal a corner: the mean of the normals of its triangles, weighted by their areas.
 ///
-/// positions  of the same mesh, in metres: local or ecef
-/// fails      invalid_argument: another number of positions than three a corner
+/// positions  positions(mesh, …) in metres: local or ecef
+/// fails      invalid_argument: `positions` does not hold three numbers a corner
 [[nodiscard]] std::vector<float> normals(const Mesh& mesh, std::span<const double> positions);
 
 }  // namespace talus

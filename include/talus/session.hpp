@@ -1,5 +1,5 @@
 #pragma once
-// What a client has, and what it lacks of what it asks for next.
+// Sessions: what a client has, and what it lacks of its next answer.
 
 #include <cstdint>
 #include <vector>
@@ -9,50 +9,45 @@
 
 namespace talus {
 
-/// The way from what a client has to what it asked for.
+/// How a client gets from its present answer to the next one.
 struct Difference {
-  /// The client has nothing of use: it drops all it has. Otherwise it has the answer of `region_before` at
-  /// `added.from`.
+  /// The client drops everything it has. If false, it has the answer of `region_before` at `added.from`.
   bool starts_over = true;
   GridRect region_before{{0, 0}, {-1, -1}};
-  /// `added` is an increment and there is nothing else: the tolerance fell, the region stayed.
+  /// Only the tolerance fell: `added` is an increment, the region is the same and nothing is removed.
   bool is_increment = false;
-  /// Vertices that the client lacks. Unless `is_increment`, its tolerance may be any, and its level errors are those of
-  /// the whole answer.
+  /// Vertices that the client lacks. Unless `is_increment`, `from` may be any tolerance, and the level errors are those
+  /// of the whole answer.
   Increment added;
-  /// Vertices of the client within the new region that the answer lacks, row by row. Those outside it go unnamed.
+  /// Vertices of the client in the new region that the answer lacks, row by row. Those outside are not listed.
   std::vector<GridPoint> removed;
-  /// The session remembers what the client now has; otherwise the next difference starts over.
+  /// The session remembers this answer. If false, the next difference starts over.
   bool remembered = true;
 };
 
-/// What the client has afterwards: the answer of the region at the tolerance, bit for bit.
+/// The client's new answer. It equals Snapshot::ask for the new region and tolerance bit for bit.
 ///
-/// client  what the differences so far have led to; anything where the difference starts over
-/// fails   invalid_argument: a client that has something else
+/// client  the result of all earlier differences; any value if `difference.starts_over`
+/// fails   invalid_argument: the client has another answer
 [[nodiscard]] RestrictedQuadtree apply(const RestrictedQuadtree& client, const Difference& difference);
 
-/// Remembers what one client has.
+/// Remembers the vertices of one client.
 ///
-/// Threads: one at a time.
-///
-/// Memory between questions: twelve bytes for each 64 samples in a row of the region, see `bytes`. A session
-/// whose client has more than it may remember forgets all of it, which the difference says; nothing fails. During a
-/// question there are two such masks, and the answer.
+/// Threads: one at a time. Memory: 12 bytes for each 64 samples in a row of the region, see bytes(); twice that and the
+/// answer during a question. An answer that would need more than `most_bytes` is forgotten (Difference::remembered).
 class Session {
  public:
-  /// most_bytes  to remember; 0: every difference starts over
+  /// most_bytes  memory limit; 0: every difference starts over
   explicit Session(std::uint64_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// What the client lacks of an answer. A tolerance that falls in one region costs what its increment costs; anything
-  /// else what the answer costs, of which only what is new is handed out. A client of another state of the database, or
-  /// of another database, starts over.
-  /// fails  as Snapshot::ask; the client then has what it had
+  /// What the client lacks of the answer to (region, tolerance). For a finer tolerance in the same region it costs as
+  /// much as an increment, else as much as the whole answer. After a change of the database the client starts over.
+  /// fails  as Snapshot::ask; the session is then unchanged
   [[nodiscard]] Difference next(const Snapshot& now, GridRect region, Metres tolerance);
 
-  /// The client lost what it had.
+  /// Call this when the client has lost its answer.
   void forget();
-  /// Remembered at present.
+  /// Memory in use at present.
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Answers and increments as files: docs/format/rqt-v1.md.
+// Streams: answers and increments as .rqt files. Format: docs/format/rqt-v1.md.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,79 +15,77 @@
 
 namespace talus {
 
-/// An answer or an increment, with what a reader must know of the database to make a mesh of it.
+/// An answer or an increment, and what a reader needs of the database to make a mesh.
 struct Stream {
-  /// Extent, mapping, CRS, vertical unit, height step, extremes, weight and losses. The rest is not kept.
+  /// Extent, mapping, CRS, vertical unit, height step, minimum, maximum, void weight, losses. Other fields are default.
   Description description;
   std::variant<RestrictedQuadtree, Increment> content;
 };
 
-/// How a stream is coded. All hold the same.
+/// How a stream is coded. The content is the same.
 enum class StreamProfile {
-  fast,      ///< bits and packed groups of residuals: read fastest
-  balanced,  ///< tables of chances: about a fifth smaller
-  small      ///< models that learn: smallest, and slow
+  fast,      ///< bits and packed groups of residuals: the fastest to read
+  balanced,  ///< tables of probabilities: about a fifth smaller
+  small      ///< models that learn: the smallest, and slow
 };
 
 struct StreamOptions {
   StreamProfile profile = StreamProfile::balanced;
-  int threads = 0;  ///< 0: one a core. Changes nothing but the time
-  /// Each level is cut into as many stripes, which several threads can read at once; a stripe costs some bytes. 0: one for
-  /// each 65,536 vertices.
+  int threads = 0;  ///< 0: one a core. The bytes do not depend on it
+  /// Stripes of each level, which different threads can read at once. A stripe costs some bytes. 0: one for each 65,536
+  /// vertices.
   int stripes = 0;
 };
 
-/// What a stream may take to read. Its header says how large it will be, and anybody may have written that.
+/// The most that reading a stream may use. The header states the size of the answer, and a hostile file can lie.
 struct StreamLimits {
-  /// Most bytes of the vertex mask: one and a half bits a sample of the region, however few vertices stand in it.
-  /// Reading takes up to three times as much.
+  /// Bytes of the vertex mask, at one and a half bits a sample of the region. Reading uses up to three times as much.
   std::uint64_t mask_bytes = std::uint64_t{1} << 30;
-  /// Most vertices: a few bytes may stand for many.
+  /// Number of vertices. A few bytes can stand for many.
   std::uint64_t vertices = std::uint64_t{1} << 30;
-  /// The same for each byte of a file that is read as a whole and is no increment, whose region its base bounds. A file
-  /// of any size may take 64 MiB and a million vertices. Real answers, coarse ones of whole countries too, need a
-  /// quarter of this.
+  /// The same two limits for each byte of a whole file, except for increments. Any file may use 64 MiB and a million
+  /// vertices. Real answers need a quarter of these limits, coarse ones of whole countries included.
   std::uint64_t mask_bytes_a_byte = 8192, vertices_a_byte = 1024;
 };
 
-/// Written beside `file`, then renamed.
+/// Writes a stream. The file appears whole or not at all: it is written under another name and then renamed.
 ///
-/// base     of an increment: the answer that it goes on from, without which it cannot be read either. Else null
-/// fails    invalid_argument: a name that does not end in .rqt; an increment that does not fit its base, or has none;
-///          io, full
+/// base     for an increment: the answer before it, which reading needs too. For an answer: null
+/// fails    invalid_argument: the name does not end in .rqt; an increment with another base or none; io, full
 void write_stream(const Stream& stream, const std::filesystem::path& file, const StreamOptions& options = {},
                   const RestrictedQuadtree* base = nullptr);
 
-/// The same, bit for bit.
+/// Reads a stream. The result equals what was written, bit for bit.
 ///
-/// base     as it was written with
-/// fails    not_found, io; corrupt, with the byte where it shows; unsupported: another version, or more than the limits
-///          allow; invalid_argument: an increment without the answer that it goes on from
+/// base     the same as for write_stream
+/// fails    not_found, io; corrupt, with the position in bytes; unsupported: another version, or more than the limits
+///          allow; invalid_argument: an increment without its base
 [[nodiscard]] Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits = {},
                                  const RestrictedQuadtree* base = nullptr, int threads = 0);
 
-/// Reads a stream as it arrives. Once a part is whole, what has come so far is of an answer a restricted quadtree with
-/// the bound that part states. Threads: one at a time.
+/// Reads a stream while it arrives. After each whole part, an answer's vertices so far are a restricted quadtree with
+/// the bound that the part states. Threads: one at a time.
 class StreamDecoder {
  public:
-  /// base  must stay
+  /// base  see write_stream; keep it as long as the decoder
   explicit StreamDecoder(const StreamLimits& limits = {}, const RestrictedQuadtree* base = nullptr, int threads = 0);
   ~StreamDecoder();
   StreamDecoder(const StreamDecoder&) = delete;
   StreamDecoder& operator=(const StreamDecoder&) = delete;
 
-  /// The next bytes. Parts that they make whole are decoded.
-  /// fails  as read_stream, but for bytes that are missing
+  /// Adds the next bytes and decodes the parts that are then whole.
+  /// fails  as read_stream, except for missing bytes
   void add(std::span<const std::byte> bytes);
-  [[nodiscard]] std::size_t parts() const;         ///< decoded so far
-  [[nodiscard]] std::size_t parts_in_all() const;  ///< 0: not known yet
-  [[nodiscard]] std::size_t bytes() const;         ///< used so far
-  [[nodiscard]] std::uint64_t vertices() const;    ///< so far
-  [[nodiscard]] Metres bound() const;              ///< of the parts so far; at least one
+  [[nodiscard]] std::size_t parts() const;         ///< parts decoded so far
+  [[nodiscard]] std::size_t parts_in_all() const;  ///< parts of the stream; 0: not known yet
+  [[nodiscard]] std::size_t bytes() const;         ///< bytes decoded so far
+  [[nodiscard]] std::uint64_t vertices() const;    ///< vertices decoded so far
+  [[nodiscard]] Metres bound() const;              ///< bound of the parts so far; needs at least one part
 
-  /// Of the parts so far, at least one. What is not all of an answer is no answer that increments fit.
-  /// fails  corrupt: vertices that are no restricted quadtree; a cut answer whose border is not constrained
+  /// The answer or increment so far; needs at least one part. Increments can follow a whole answer only.
+  /// fails  corrupt: the vertices are not a restricted quadtree; a partial answer whose border is not constrained
   [[nodiscard]] Stream stream() const;
+  /// Checks that the stream is complete.
   /// fails  corrupt: bytes are missing
   void require_whole() const;
 
@@ -96,30 +94,30 @@ class StreamDecoder {
   std::unique_ptr<State> state_;
 };
 
-/// What a stream says of one of its parts.
+/// One part of a stream.
 struct StreamPart {
   std::uint64_t vertices = 0;
   std::uint64_t bytes = 0;
-  Metres bound;  ///< of all parts up to this one
+  Metres bound;  ///< bound of all parts up to this one
 };
 
-/// What a stream says of itself.
+/// A stream without its vertices: the header and the list of parts.
 struct StreamInfo {
   Description description;
   GridRect region{{0, 0}, {-1, -1}};
   Origin origin;
   bool is_increment = false;
-  Metres from, tolerance, bound;  ///< from: of an increment
+  Metres from, tolerance, bound;  ///< `from` is for increments
   StreamProfile profile = StreamProfile::balanced;
   std::uint64_t vertices = 0, bytes = 0, header_bytes = 0;
   std::vector<StreamPart> parts;
 };
 
-/// Reads the header and what parts say of themselves, and checks their checksums; decodes nothing.
-/// fails  as read_stream, without a base
+/// Reads the header and the sizes of all parts and checks their checksums. It decodes no vertices.
+/// fails  as read_stream; it needs no base
 [[nodiscard]] StreamInfo read_stream_info(const std::filesystem::path& file, const StreamLimits& limits = {});
 
-/// Whether a name says that a file is one.
+/// Whether the name of a file ends in .rqt.
 [[nodiscard]] bool is_stream_file(const std::filesystem::path& file);
 
 }  // namespace talus

@@ -7,11 +7,11 @@
 //   auto mesh = now.mesh({7.5, 45.9, 7.8, 46.1}, talus::Metres{2});   // every sample within 2 m of it
 //   talus::write_mesh(mesh, now.description(), "matterhorn.ply");
 //
-// Six verbs: open, snapshot, ask, triangulate, verify, write. Each of their headers says shapes, units, failures and cost;
-// docs/architecture.md shows the way of the data through the folders.
+// Six verbs: open, snapshot, ask, triangulate, verify, write. Their headers state shapes, units, failures and cost.
+// docs/architecture.md follows the data through the folders.
 //
-// This header is all of Talus that reads: link talus::read, which needs neither GDAL nor PROJ. talus/ingest.hpp makes
-// databases and talus/raster_output.hpp writes rasters: link talus::ingest for them, or talus::talus for both.
+// This header holds everything that reads. Link talus::read: it needs neither GDAL nor PROJ. talus/ingest.hpp makes
+// databases, talus/raster_output.hpp writes rasters: link talus::ingest for them, or talus::talus for everything.
 
 #include "talus/accuracy.hpp"
 #include "talus/bitree.hpp"

@@ -1,12 +1,12 @@
 #pragma once
-// Units, grid points and rectangles: the words every other header speaks.
+// Units, grid points and rectangles. Every other header uses them.
 
 #include <compare>
 #include <cstdint>
 
 namespace talus {
 
-/// A number with a unit. Explicit in, `.value` out; only quantities of one tag add or compare.
+/// A number with a unit. The constructor is explicit, `.value` is the number; only equal units add or compare.
 template <class Tag>
 struct Quantity {
   double value{};
@@ -19,14 +19,14 @@ struct Quantity {
 using Metres = Quantity<struct MetresTag>;
 using Degrees = Quantity<struct DegreesTag>;
 
-/// A place on the grid of samples. Column 0, row 0 is the north-west sample of the first source;
-/// columns run east, rows run south, both may be negative.
+/// A point of the sample grid. Column 0, row 0 is the north-west sample of the first source.
+/// Columns count east and rows count south; both may be negative.
 struct GridPoint {
   std::int32_t col{}, row{};
   friend constexpr bool operator==(GridPoint, GridPoint) = default;
 };
 
-/// A rectangle of samples, both corners included. Its sides run through samples.
+/// A rectangle of samples. `first` is the north-west corner, `last` the south-east one; both belong to it.
 struct GridRect {
   GridPoint first, last;
   friend constexpr bool operator==(GridRect, GridRect) = default;
@@ -45,15 +45,14 @@ struct Position {
   friend constexpr bool operator==(Position, Position) = default;
 };
 
-/// A rectangle in the coordinates of a database's CRS: X before Y, and xmin < xmax, ymin < ymax.
-/// Samples are pixel centres, so a rectangle that ends on the edge of a raster's outermost pixels
-/// ends half a cell beyond the outermost samples.
+/// A rectangle in the coordinates of a database's CRS: X before Y, xmin < xmax, ymin < ymax. Samples are pixel centres,
+/// so the outer edge of a raster lies half a cell outside its outermost samples.
 struct Rectangle {
   double xmin{}, ymin{}, xmax{}, ymax{};
 };
 
-/// Where samples stand in the CRS: sample (col, row) is at (x0 + col·dx, y0 + row·dy), a pixel
-/// centre. dx > 0 and dy < 0: rows run south whatever the source did.
+/// The position of samples in the CRS: sample (col, row) is at (x0 + col·dx, y0 + row·dy). dx > 0 and dy < 0, so rows
+/// count south, whatever the order of rows in the source.
 struct GridMapping {
   double x0{}, y0{}, dx{1}, dy{-1};
   friend constexpr bool operator==(GridMapping, GridMapping) = default;

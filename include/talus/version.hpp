@@ -1,8 +1,8 @@
 #pragma once
-// Which Talus a program is compiled against.
+// The version of Talus that a program is compiled with.
 
 #define TALUS_VERSION_MAJOR 0
 #define TALUS_VERSION_MINOR 1
 #define TALUS_VERSION_PATCH 0
-/// For comparisons in the preprocessor: 1002003 is 1.2.3.
+/// The version as one number for the preprocessor: 1002003 is 1.2.3.
 #define TALUS_VERSION_NUMBER (TALUS_VERSION_MAJOR * 1000000 + TALUS_VERSION_MINOR * 1000 + TALUS_VERSION_PATCH)

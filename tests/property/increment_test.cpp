@@ -218,7 +218,7 @@ TEST(Increments, ThatDoNotFitAreRefused) {
   points.points = {{33, 33}};
   EXPECT_THAT(refusal(now.ask(points).quadtree,
                       increment_of(now.ask({.region = region, .tolerance = Metres{5}, .from = Metres{20}}))),
-              ::testing::HasSubstr("no such answer"));
+              ::testing::HasSubstr("no increment can follow"));
   points.points.clear();
   EXPECT_EQ(difference(now.ask(points).quadtree, base), "") << "asked for no more than a range";
 
