@@ -34,11 +34,6 @@ std::string step_text(const HeightStep& step, const std::string& unit) {
   return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
 }
 
-std::string errors_text(const Description& d) {
-  const std::string text = fmt::format("{}, {}", name_of(d.error_kind), name_of(d.error_metric));
-  return d.error_kind == ErrorKind::midpoint ? text + ": no answer keeps a bound" : text;
-}
-
 /// Vertices above tolerances. Earlier versions kept the list of each generation, the latest at the end.
 std::vector<std::pair<double, std::uint64_t>> latest_counts(const Provenance& p) {
   std::size_t first = 0;
@@ -84,7 +79,6 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"maximum", d.maximum},
       {"void_samples", d.void_samples},
       {"void_weight", d.void_weight},
-      {"error_kind", name_of(d.error_kind)},
       {"error_metric", name_of(d.error_metric)},
       {"file_bytes", s.file_bytes},
       {"pages", s.pages},
@@ -123,7 +117,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("crs", crs_name(d));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
-  table.add("errors", errors_text(d));
+  table.add("errors", name_of(d.error_metric));
   table.add("void weight", fmt::format("{}", d.void_weight));
   if (d.lossy_metres > 0)
     table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
@@ -167,7 +161,6 @@ Exit run_stream(const Request& request) {
                 {"border", border_text(s.origin.border)},
                 {"tolerance", s.tolerance.value},
                 {"bound", s.bound.value},
-                {"error_kind", name_of(d.error_kind)},
                 {"error_metric", name_of(d.error_metric)},
                 {"quantum", s.origin.quantum.value},
                 {"profile", spelled(s.profile)},

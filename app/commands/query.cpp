@@ -194,7 +194,6 @@ Exit run(const Request& request) {
     Json object{{"region", bounds(description, mesh.region)},
                 {"tolerance", tolerance.value},
                 {"bound", bound.value},
-                {"error_kind", name_of(description.error_kind)},
                 {"error_metric", name_of(description.error_metric)},
                 {"vertices", mesh.size()},
                 {"triangles", mesh.triangles.size()},

@@ -52,7 +52,6 @@ Exit report(const RestrictedQuadtree& answer, const Description& description, co
     print(Json{{"region", bounds(description, answer.region)},
                {"tolerance", answer.tolerance.value},
                {"bound", bound.value},
-               {"error_kind", name_of(description.error_kind)},
                {"error_metric", name_of(description.error_metric)},
                {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},

@@ -11,8 +11,4 @@ namespace talus::detail {
 /// legs are its children's hypotenuses, so saturation brings them back).
 void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors);
 
-/// Raises the errors of vertices with a half that mixes data and void to the least such a half has, which follows from
-/// its row and shape. The input has voids.
-void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
-
 }  // namespace talus::detail

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "engine/error/error_rule.hpp"
 #include "engine/page/page_layout.hpp"
 #include "talus/failure.hpp"
 
@@ -16,6 +15,9 @@ namespace talus {
 namespace {
 
 using Json = nlohmann::json;
+
+/// Of which samples errors tell: of all in a vertex's diamond.
+constexpr const char* kErrorKind = "exact";
 
 /// What keeps later arithmetic inside its types, whatever the bytes say.
 void require_plausible(const Manifest& m) {
@@ -33,8 +35,6 @@ void require_plausible(const Manifest& m) {
         d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
     if (!std::isfinite(v)) refuse("a number that is none");
   }
-  if (d.error_kind == ErrorKind::nested && d.error_metric == ErrorMetric::perpendicular)
-    refuse("nested errors that are perpendicular");
   if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("a negative loss");
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
     refuse("number of coarsest pages does not fit the extent");
@@ -81,7 +81,7 @@ std::vector<std::byte> encode(const Manifest& m) {
        {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
       {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
       {"errors",
-       {{"kind", name_of(d.error_kind)},
+       {{"kind", kErrorKind},
         {"metric", name_of(d.error_metric)},
         {"void_weight", d.void_weight},
         {"lossy_bound", d.lossy_metres},
@@ -115,11 +115,15 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
                                 kBandLevels));
     }
     const Json& errors = json.at("errors");
-    const auto kind = error_kind_named(errors.at("kind").get<std::string>());
+    if (errors.at("kind").get<std::string>() != kErrorKind) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("errors of kind {}, this program reads exact ones only; ingest the source again",
+                                errors.at("kind").dump()));
+    }
     const auto metric = error_metric_named(errors.at("metric").get<std::string>());
-    if (!kind || !metric) {
-      throw Failure(Cause::unsupported, fmt::format("errors of kind {} and metric {}, which this program does not know",
-                                                    errors.at("kind").dump(), errors.at("metric").dump()));
+    if (!metric) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("errors of metric {}, which this program does not know", errors.at("metric").dump()));
     }
     m.bands = whole<int>(layout.at("bands"));
     Description& d = m.description;
@@ -154,7 +158,6 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     d.void_weight = errors.at("void_weight");
     d.lossy_metres = errors.at("lossy_bound");
     d.finest_tolerance = errors.value("finest_tolerance", 0.0);
-    d.error_kind = *kind;
     d.error_metric = *metric;
     m.generation = whole<std::uint32_t>(json.at("generation"));
     for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));

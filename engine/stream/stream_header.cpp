@@ -27,8 +27,7 @@ enum Flags : std::uint32_t {
   kWholeCodes = 16,
   kLoose = 32,
   kWide = 64,
-  kNested = 128,
-  kMidpoint = 256,
+  kOtherErrors = 128 | 256,  ///< nested and midpoint ones, which earlier versions had
   kPerpendicular = 512,
   kAllFlags = 1023
 };
@@ -128,8 +127,7 @@ void put_header(StreamWriter& out, const StreamHeader& h) {
   out.put(std::uint32_t{0});  // the header's length, put in below
   out.put((h.is_increment ? kIncrement : 0u) | (q.origin.is_plain ? kPlain : 0u) | (h.has_covers ? kCovers : 0u) |
           (q.level_errors.empty() ? 0u : kLevelErrors) | (d.step.integer ? kWholeCodes : 0u) |
-          (h.has_loose ? kLoose : 0u) | (h.is_wide ? kWide : 0u) | (d.error_kind == ErrorKind::nested ? kNested : 0u) |
-          (d.error_kind == ErrorKind::midpoint ? kMidpoint : 0u) |
+          (h.has_loose ? kLoose : 0u) | (h.is_wide ? kWide : 0u) |
           (d.error_metric == ErrorMetric::perpendicular ? kPerpendicular : 0u));
   out.put(static_cast<std::uint32_t>(h.parts));
   out.put(q.origin.identity.content);
@@ -183,6 +181,12 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   (void)in.take(kMagic.size() + 8);
   const auto flags = in.take<std::uint32_t>();
   if ((flags & ~std::uint32_t{kAllFlags}) != 0) in.refuse("unknown flags");
+  if ((flags & kOtherErrors) != 0) {
+    throw Failure(
+        Cause::unsupported,
+        "a stream whose vertices were chosen by nested or midpoint errors, this program reads streams of exact "
+        "errors only; ask a database again");
+  }
   h.is_increment = (flags & kIncrement) != 0;
   h.has_covers = (flags & kCovers) != 0;
   h.has_loose = (flags & kLoose) != 0;
@@ -191,11 +195,7 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   Description& d = h.description;
   q.origin.is_plain = (flags & kPlain) != 0;
   d.step.integer = (flags & kWholeCodes) != 0;
-  if ((flags & kNested) != 0) d.error_kind = ErrorKind::nested;
-  if ((flags & kMidpoint) != 0) d.error_kind = ErrorKind::midpoint;
   if ((flags & kPerpendicular) != 0) d.error_metric = ErrorMetric::perpendicular;
-  if ((flags & kNested) != 0 && (flags & (kMidpoint | kPerpendicular)) != 0)
-    in.refuse("errors of two kinds that do not go together");
   h.parts = in.take<std::uint32_t>();
   q.origin.identity.content = in.take<std::uint64_t>();
   q.origin.identity.generation = in.take<std::uint32_t>();

@@ -12,23 +12,12 @@
 
 namespace talus {
 
-/// Of which samples a vertex's error tells. None is below that of a vertex that depends on it.
-enum class ErrorKind : std::uint8_t {
-  exact,  ///< the largest distance of any sample from the two triangles that stand there without the vertex
-  /// The distance of the vertex from the middle of their common side, and the largest of its children's errors
-  nested,
-  ///< on top: never below exact, so answers keep their bound with more vertices than they need
-  midpoint,  ///< the distance of the vertex alone: no bound at all, there to be compared with
-};
-
-/// In which direction: along the vertical, or at right angles to the triangle [P98 §5], which is never more. Cells are
-/// then as large as on the row of the vertex.
+/// The direction of a vertex's error: along the vertical, or at right angles to the triangle [P98 §5], which is never
+/// more. Cells are then as large as on the row of the vertex.
 enum class ErrorMetric : std::uint8_t { vertical, perpendicular };
 
 /// As they stand in manifests and on command lines.
-[[nodiscard]] const char* name_of(ErrorKind kind);
 [[nodiscard]] const char* name_of(ErrorMetric metric);
-[[nodiscard]] std::optional<ErrorKind> error_kind_named(std::string_view name);
 [[nodiscard]] std::optional<ErrorMetric> error_metric_named(std::string_view name);
 
 /// How stored height codes become the source's values, bit for bit:
@@ -71,12 +60,7 @@ struct Description {
   double lossy_metres = 0;  ///< how far stored heights may lie from the source's; part of every answer's bound
   /// The tolerance of the finest answer: vertices that it does not select were not kept. 0: all samples were.
   double finest_tolerance = 0;
-  ErrorKind error_kind = ErrorKind::exact;
   ErrorMetric error_metric = ErrorMetric::vertical;
-  /// Whether a tolerance is kept along the vertical, as all that rounds heights or leaves them out relies on.
-  [[nodiscard]] bool has_vertical_bound() const {
-    return error_kind != ErrorKind::midpoint && error_metric == ErrorMetric::vertical;
-  }
   /// Metres: heights of vertices whose error is not above were not kept. 0: all were.
   [[nodiscard]] double kept_above() const {
     return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0;

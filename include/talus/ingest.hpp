@@ -74,10 +74,8 @@ struct IngestOptions {
   /// Keep only the vertices that an answer at this tolerance selects: no answer will be finer, and samples are not
   /// restored. 0: keep all.
   Metres finest_tolerance{0};
-  ErrorKind error_kind = ErrorKind::exact;
-  ErrorMetric error_metric = ErrorMetric::vertical;  ///< perpendicular goes with exact and midpoint
-  bool no_guarantee = false;  ///< said by who wants ErrorKind::midpoint: no answer of the database keeps a bound
-  int threads = 0;            ///< 0: one a core. The pages are the same for any number.
+  ErrorMetric error_metric = ErrorMetric::vertical;
+  int threads = 0;                                      ///< 0: one a core. The pages are the same for any number.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< the process stays below it. The pages are the same.
   InputOptions inputs = {};
   /// Told now and then; may throw to end the work, which can then be resumed.
@@ -141,7 +139,7 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
 ///
 /// inputs    as for ingest, brought onto the database's grid; a void does not cover data
 /// database  where it is a symbolic link, the link stays and the file that it leads to is replaced; owner and mode stay
-/// options   void_weight, error_kind and error_metric are not looked at; overwrite: replace what an interrupted ingest
+/// options   void_weight and error_metric are not looked at; overwrite: replace what an interrupted ingest
 ///           left; resume: what an interrupted update left is worth nothing, so it is computed anew with it or without
 /// fails     as ingest; not_found, corrupt: the database, every byte of which is checked; unsupported: one that did not
 ///           keep all samples; io: another program replaced it meanwhile. It is then as it was

@@ -118,7 +118,7 @@ struct RestrictedQuadtree {
   Metres tolerance;  ///< as asked
   Metres bound;      ///< no valid sample under the surface is farther from it, along the vertical or as
       ///< Description::error_metric says; at most `tolerance` plus, where heights are no binary fractions, some
-      ///< nanometres of rounding. Infinite where errors are no bounds (ErrorKind::midpoint)
+      ///< nanometres of rounding
   Origin origin;
   /// By log2 of the spacing, to that of the root square's side, which stands for root corners too: the largest error,
   /// in metres, of these vertices save those that the border needs; 0 where there is none. Without the levels finer
