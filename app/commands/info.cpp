@@ -10,10 +10,10 @@
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
 #include "app/options/arguments.hpp"
-#include "app/options/stream_options.hpp"
 #include "app/terminal/fields.hpp"
 #include "app/terminal/report.hpp"
 #include "talus/database.hpp"
+#include "talus/stream.hpp"
 
 namespace talus::app {
 namespace {
@@ -163,7 +163,6 @@ Exit run_stream(const Request& request) {
                 {"bound", s.bound.value},
                 {"error_metric", name_of(d.error_metric)},
                 {"quantum", s.origin.quantum.value},
-                {"profile", spelled(s.profile)},
                 {"vertices", s.vertices},
                 {"bytes", s.bytes},
                 {"header_bytes", s.header_bytes},
@@ -185,7 +184,6 @@ Exit run_stream(const Request& request) {
   table.add("tolerance", metres(s.tolerance.value));
   table.add("bound", bound_text(d, s.bound));
   table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
-  table.add("profile", spelled(s.profile));
   table.add("vertices", counted(s.vertices));
   table.add("size", fmt::format("{}, {:.2f} bits a vertex, {} of them the header", sized(s.bytes),
                                 8.0 * static_cast<double>(s.bytes) /

@@ -17,6 +17,7 @@ namespace {
 constexpr std::array<char, 8> kMagic{'T', 'A', 'L', 'U', 'S', 'R', 'Q', 'T'};
 constexpr std::size_t kChecksum = 8, kSmallestHeader = 32;
 constexpr std::uint32_t kMostText = 1 << 20;  // a CRS of a megabyte is none
+constexpr std::uint32_t kCoding = 1;          // of parts; earlier versions had 0 and 2, too
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum Flags : std::uint32_t {
@@ -138,7 +139,7 @@ void put_header(StreamWriter& out, const StreamHeader& h) {
   out.put(d.extent);
   for_each_number(h, [&](double v) { out.put(v); });
   out.put(h.vertices);
-  out.put(static_cast<std::uint32_t>(h.profile));
+  out.put(kCoding);
   out.put(static_cast<std::uint32_t>(h.kind));
   out.put(h.base);
   out.put(static_cast<std::uint32_t>(d.crs_wkt.size()));
@@ -185,7 +186,7 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
     throw Failure(
         Cause::unsupported,
         "a stream whose vertices were chosen by nested or midpoint errors, this program reads streams of exact "
-        "errors only; ask a database again");
+        "errors only; ask its database again");
   }
   h.is_increment = (flags & kIncrement) != 0;
   h.has_covers = (flags & kCovers) != 0;
@@ -207,10 +208,13 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   d.extent = in.rect();
   for_each_number(h, [&](double& v) { v = in.take<double>(); });
   h.vertices = in.take<std::uint64_t>();
-  const auto profile = in.take<std::uint32_t>(), kind = in.take<std::uint32_t>();
-  if (profile > static_cast<std::uint32_t>(StreamProfile::small)) in.refuse("unknown profile");
+  const auto coding = in.take<std::uint32_t>(), kind = in.take<std::uint32_t>();
+  if (coding != kCoding) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("a stream of coding {}, this program reads coding {} only; ask its database again",
+                              coding, kCoding));
+  }
   if (kind > static_cast<std::uint32_t>(CodeKind::quanta)) in.refuse("unknown code of heights");
-  h.profile = static_cast<StreamProfile>(profile);
   h.kind = static_cast<CodeKind>(kind);
   h.base = in.take<std::uint64_t>();
   const auto crs = in.take<std::uint32_t>(), unit = in.take<std::uint32_t>();

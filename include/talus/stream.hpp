@@ -22,15 +22,7 @@ struct Stream {
   std::variant<RestrictedQuadtree, Increment> content;
 };
 
-/// How a stream is coded. All hold the same.
-enum class StreamProfile {
-  fast,      ///< bits and packed groups of residuals: read fastest
-  balanced,  ///< tables of chances: about a fifth smaller
-  small      ///< models that learn: smallest, and slow
-};
-
 struct StreamOptions {
-  StreamProfile profile = StreamProfile::balanced;
   int threads = 0;  ///< 0: one a core. Changes nothing but the time
   /// Each level is cut into as many stripes, which several threads can read at once; a stripe costs some bytes. 0: one for
   /// each 65,536 vertices.
@@ -61,8 +53,8 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
 /// The same, bit for bit.
 ///
 /// base     as it was written with
-/// fails    not_found, io; corrupt, with the byte where it shows; unsupported: another version, or more than the limits
-///          allow; invalid_argument: an increment without the answer that it goes on from
+/// fails    not_found, io; corrupt, with the byte where it shows; unsupported: another version, another coding of its
+///          parts, errors other than exact ones, or more than the limits allow; invalid_argument: an increment without the answer that it goes on from
 [[nodiscard]] Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits = {},
                                  const RestrictedQuadtree* base = nullptr, int threads = 0);
 
@@ -110,7 +102,6 @@ struct StreamInfo {
   Origin origin;
   bool is_increment = false;
   Metres from, tolerance, bound;  ///< from: of an increment
-  StreamProfile profile = StreamProfile::balanced;
   std::uint64_t vertices = 0, bytes = 0, header_bytes = 0;
   std::vector<StreamPart> parts;
 };

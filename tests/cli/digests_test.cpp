@@ -104,8 +104,6 @@ class Digests : public Command {
     expect_output(model, "glb", at(2), ".glb");
     expect_output(model, "obj", at(4), ".obj");
     expect_output(model, "stream", at(1), ".rqt");
-    expect_output(model, "fast-stream", with({"--profile", "fast"}), ".rqt");
-    expect_output(model, "small-stream", with({"--profile", "small"}), ".rqt");
     expect_output(model, "striped-stream", with({"--bands", "3"}), ".rqt");
     expect_output(model, "bounded-stream", with({"--heights", "bounded"}), ".rqt");
     expect_output(model, "fitted-stream", with({"--heights", "fitted"}), ".rqt");
