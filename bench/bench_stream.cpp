@@ -1,7 +1,7 @@
 // Streams of answers: what they take, and how fast they are written and read.
 //
 // Data: windows of at most 4097² samples amid the real models, at 5 m, where these are (TALUS_DEM_DIR). Each row:
-// model, heights (exact, or bounded with a quantum of about the tolerance), profile. `bits` are bits a triangle, header
+// model, heights (exact, or bounded with a quantum of about the tolerance). `bits` are bits a triangle, header
 // and all. BM_Chain: the bytes of 20 → 10 → 5 → 2 → 1 m over those of 1 m at once.
 
 #include <map>
@@ -27,7 +27,6 @@ constexpr Model kModels[] = {{"S36E149", "srtm3_S36E149.tif"},   {"taiwan", "tai
                              {"kenya", "kenya_central_z11.tif"}, {"bigtujunga", "bigtujunga_30m_utm11.tif"},
                              {"N46E008", "srtm3_N46E008.tif"},   {"gabilan", "gabilan.bil"},
                              {"tirol", "tirol5m_avaPfa.tif"}};
-constexpr const char* kProfiles[] = {"fast", "balanced", "small"};
 
 struct Asked {
   Description description;
@@ -68,18 +67,10 @@ const Asked* asked(int model, bool bounded) {
   return &(made[{model, bounded}] = std::move(a));
 }
 
-StreamOptions options_of(const benchmark::State& state) {
-  StreamOptions options;
-  options.threads = 1;
-  options.profile = state.range(2) == 0   ? StreamProfile::fast
-                    : state.range(2) == 1 ? StreamProfile::balanced
-                                          : StreamProfile::small;
-  return options;
-}
+constexpr StreamOptions kOneThread{.threads = 1};
 
 void say(benchmark::State& state, const Asked& a, std::size_t bytes) {
-  state.SetLabel(std::string(kModels[state.range(0)].name) + (state.range(1) != 0 ? " bounded " : " exact ") +
-                 kProfiles[state.range(2)]);
+  state.SetLabel(std::string(kModels[state.range(0)].name) + (state.range(1) != 0 ? " bounded" : " exact"));
   state.counters["vertices"] = static_cast<double>(a.quadtree.vertices.size());
   state.counters["bytes"] = static_cast<double>(bytes);
   state.counters["bits"] = 8.0 * static_cast<double>(bytes) / static_cast<double>(a.triangles);
@@ -92,23 +83,21 @@ void BM_Encode(benchmark::State& state) {
   if (a == nullptr) return state.SkipWithError("no real models here, see TALUS_DEM_DIR");
   const Stream stream{a->description, a->quadtree};
   std::vector<std::byte> bytes;
-  for (auto _ : state) bytes = encode(stream, options_of(state));
+  for (auto _ : state) bytes = encode(stream, kOneThread);
   say(state, *a, bytes.size());
 }
 
 void BM_Decode(benchmark::State& state) {
   const Asked* a = asked(static_cast<int>(state.range(0)), state.range(1) != 0);
   if (a == nullptr) return state.SkipWithError("no real models here, see TALUS_DEM_DIR");
-  const auto bytes = encode({a->description, a->quadtree}, options_of(state));
+  const auto bytes = encode({a->description, a->quadtree}, kOneThread);
   for (auto _ : state) benchmark::DoNotOptimize(decode_stream(bytes, {}, nullptr, 1));
   say(state, *a, bytes.size());
 }
 
 void every_row(benchmark::internal::Benchmark* bench) {
   for (int model = 0; model < 7; ++model) {
-    for (int bounded = 0; bounded < 2; ++bounded) {
-      for (int profile = 0; profile < 3; ++profile) bench->Args({model, bounded, profile});
-    }
+    for (int bounded = 0; bounded < 2; ++bounded) bench->Args({model, bounded});
   }
 }
 BENCHMARK(BM_Encode)->Apply(every_row)->Unit(benchmark::kMillisecond);

@@ -59,7 +59,6 @@ IngestReport ingest_all(const std::vector<std::filesystem::path>& inputs, const 
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step.value / 2;
   description.finest_tolerance = options.finest_tolerance.value;
-  description.error_kind = options.error_kind;
   description.error_metric = options.error_metric;
   Job job = job_of(
       description, code_bytes(code_kind(source.description())), source.block_bytes(),
@@ -108,7 +107,6 @@ IngestEstimate estimate_all(const std::vector<std::filesystem::path>& inputs, co
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step.value / 2;
   description.finest_tolerance = options.finest_tolerance.value;
-  description.error_kind = options.error_kind;
   description.error_metric = options.error_metric;
   const Job job = job_of(
       description, code_bytes(code_kind(source.description())), source.block_bytes(),

@@ -106,9 +106,7 @@ struct Updating {
     require_all_samples(before, database);
     IngestOptions options = asked;
     options.void_weight = before.void_weight;
-    options.error_kind = before.error_kind;
     options.error_metric = before.error_metric;
-    options.no_guarantee = true;  // said when the database was made
     options.inputs.grid = grid_of(before);
     options.inputs.height_step = Metres{2 * before.lossy_metres};  // rounded as the rest
     return options;

@@ -131,10 +131,6 @@ std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNam
                     "--against DEM true errors are not known, and left out.",
                     d.finest_tolerance));
   }
-  if (d.error_kind == ErrorKind::midpoint)
-    sentences.push_back(
-        "The database's errors are those of midpoints: its tolerances bound nothing, the true errors here are all "
-        "there is.");
   if (d.error_metric == ErrorMetric::perpendicular)
     sentences.push_back(
         "The database's tolerances are kept at right angles to triangles; true errors here are along the vertical.");
@@ -259,7 +255,7 @@ std::string paragraph(const std::string& text, double x, double& y, double size,
 }  // namespace
 
 bool is_beyond_bound(const AccuracyReport& report, const AccuracyPoint& point) {
-  if (!point.errors || !report.description.has_vertical_bound()) return false;
+  if (!point.errors || report.description.error_metric != ErrorMetric::vertical) return false;
   // the surface is double arithmetic on heights
   return point.errors->largest.value > point.bound.value * (1 + 1e-12) + 1e-9;
 }

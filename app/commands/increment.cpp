@@ -48,7 +48,6 @@ Exit write_increment(const Snapshot& now, const Question& question, const std::v
                 {"from", from.value},
                 {"tolerance", to.value},
                 {"bound", added.bound.value},
-                {"error_kind", name_of(description.error_kind)},
                 {"error_metric", name_of(description.error_metric)},
                 {"vertices", added.vertices.size()},
                 {"pages_read", increment.cost.pages_read},

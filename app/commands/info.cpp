@@ -10,10 +10,10 @@
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
 #include "app/options/arguments.hpp"
-#include "app/options/stream_options.hpp"
 #include "app/terminal/fields.hpp"
 #include "app/terminal/report.hpp"
 #include "talus/database.hpp"
+#include "talus/stream.hpp"
 
 namespace talus::app {
 namespace {
@@ -32,11 +32,6 @@ std::string step_text(const HeightStep& step, const std::string& unit) {
   if (!step.integer) return "none, floats as they came";
   const std::string size = fmt::format("{} {}", step.scale / step.divisor, unit);
   return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
-}
-
-std::string errors_text(const Description& d) {
-  const std::string text = fmt::format("{}, {}", name_of(d.error_kind), name_of(d.error_metric));
-  return d.error_kind == ErrorKind::midpoint ? text + ": no answer keeps a bound" : text;
 }
 
 /// Vertices above tolerances. Earlier versions kept the list of each generation, the latest at the end.
@@ -84,7 +79,6 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"maximum", d.maximum},
       {"void_samples", d.void_samples},
       {"void_weight", d.void_weight},
-      {"error_kind", name_of(d.error_kind)},
       {"error_metric", name_of(d.error_metric)},
       {"file_bytes", s.file_bytes},
       {"pages", s.pages},
@@ -123,7 +117,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("crs", crs_name(d));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
-  table.add("errors", errors_text(d));
+  table.add("errors", name_of(d.error_metric));
   table.add("void weight", fmt::format("{}", d.void_weight));
   if (d.lossy_metres > 0)
     table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
@@ -167,10 +161,8 @@ Exit run_stream(const Request& request) {
                 {"border", border_text(s.origin.border)},
                 {"tolerance", s.tolerance.value},
                 {"bound", s.bound.value},
-                {"error_kind", name_of(d.error_kind)},
                 {"error_metric", name_of(d.error_metric)},
                 {"quantum", s.origin.quantum.value},
-                {"profile", spelled(s.profile)},
                 {"vertices", s.vertices},
                 {"bytes", s.bytes},
                 {"header_bytes", s.header_bytes},
@@ -192,7 +184,6 @@ Exit run_stream(const Request& request) {
   table.add("tolerance", metres(s.tolerance.value));
   table.add("bound", bound_text(d, s.bound));
   table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
-  table.add("profile", spelled(s.profile));
   table.add("vertices", counted(s.vertices));
   table.add("size", fmt::format("{}, {:.2f} bits a vertex, {} of them the header", sized(s.bytes),
                                 8.0 * static_cast<double>(s.bytes) /

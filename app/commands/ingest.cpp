@@ -25,7 +25,7 @@ namespace {
 struct Request {
   std::vector<std::string> files;  // the database last
   std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step,
-              tolerance, error = "exact", metric = "vertical";
+              tolerance, metric = "vertical";
   InputWords inputs_read;
   IngestOptions options;
   bool update = false, dry_run = false, json = false;
@@ -38,7 +38,6 @@ void settle_options(Request& request) {
   IngestOptions& o = request.options;
   o.inputs = request.inputs_read.read();
   o.void_weight = parse_weight(request.void_weight);
-  o.error_kind = parse_error_kind(request.error);
   o.error_metric = parse_error_metric(request.metric);
   if (!request.tolerance.empty()) o.finest_tolerance = parse_tolerance(request.tolerance);
   o.memory_bytes = parse_bytes(request.memory);
@@ -53,14 +52,8 @@ void settle_options(Request& request) {
     o.inputs.grid = grid_of(open_database(request.grid_of).snapshot().description());
     o.inputs.grid->step.reset();  // its grid, not its heights
   }
-  if (request.update &&
-      (o.error_kind != ErrorKind::exact || o.error_metric != ErrorMetric::vertical || o.no_guarantee)) {
-    throw Failure(
-        Cause::invalid_argument,
-        "--error, --metric and --no-guarantee are chosen when a database is made; they do not go with --update");
-  }
-  if (o.no_guarantee && o.error_kind != ErrorKind::midpoint)
-    throw Failure(Cause::invalid_argument, "--no-guarantee goes with --error midpoint; any other bound is kept");
+  if (request.update && o.error_metric != ErrorMetric::vertical)
+    throw Failure(Cause::invalid_argument, "--metric is chosen when a database is made; it does not go with --update");
   if (request.update && o.finest_tolerance.value > 0)
     throw Failure(Cause::invalid_argument,
                   "--tolerance is chosen when a database is made; it does not go with --update");
@@ -234,18 +227,9 @@ void add_ingest(CLI::App& program, Action& action) {
                    "finer and cannot be updated; without it every sample is kept, bit for bit")
       ->option_text("M");
   command
-      ->add_option("--error", request->error,
-                   "What the error of a vertex is. exact: the largest distance of any sample from the surface\n"
-                   "without it; nested: a bound on that from midpoints alone, so that answers hold more vertices than\n"
-                   "they need; midpoint: its distance from the middle of an edge, which bounds nothing")
-      ->option_text("exact|nested|midpoint [exact]");
-  command
       ->add_option("--metric", request->metric,
-                   "Distances along the vertical, or at right angles to triangles, which are less on slopes; the\n"
-                   "latter with exact and midpoint errors")
+                   "Distances along the vertical, or at right angles to triangles, which are less on slopes")
       ->option_text("vertical|perpendicular [vertical]");
-  command->add_flag("--no-guarantee", request->options.no_guarantee,
-                    "Needed for --error midpoint: no answer of the database will keep its tolerance");
   command->add_option("--progress", request->progress, "On a terminal, as JSON lines on standard error, or not")
       ->option_text("auto|json|none");
   command->add_flag("--json", request->json, "Print one JSON object");

@@ -72,7 +72,6 @@ Exit run(const Request& request) {
     Json object{{"length", profile.length_m},
                 {"tolerance", profile.tolerance.value},
                 {"bound", profile.bound.value},
-                {"error_kind", name_of(description.error_kind)},
                 {"error_metric", name_of(description.error_metric)},
                 {"vertices", vertices},
                 {"parts", parts_of(profile)},

@@ -30,7 +30,7 @@ struct Request {
   Budget budget;
   std::vector<std::string> outputs, neighbours;
   Interest interest;
-  StreamWords stream;
+  StreamOptions stream;
   HeightWords heights;
   bool json = false, explain = false;
 };
@@ -149,7 +149,8 @@ Exit run(const Request& request) {
   if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
   static_cast<void>(parse_border(request.border));
   static_cast<void>(request.heights.heights());
-  const StreamOptions options = stream_options(request.stream, request.threads);
+  StreamOptions options = request.stream;
+  options.threads = request.threads;
   if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
   require_fit_for_streams(request);
   std::optional<Rectangle> rectangle;
@@ -194,7 +195,6 @@ Exit run(const Request& request) {
     Json object{{"region", bounds(description, mesh.region)},
                 {"tolerance", tolerance.value},
                 {"bound", bound.value},
-                {"error_kind", name_of(description.error_kind)},
                 {"error_metric", name_of(description.error_metric)},
                 {"vertices", mesh.size()},
                 {"triangles", mesh.triangles.size()},

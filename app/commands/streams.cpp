@@ -28,7 +28,7 @@ namespace {
 
 struct Request {
   std::vector<std::string> inputs, outputs;
-  StreamWords stream;
+  StreamOptions stream;
   int threads = 0;
   bool json = false;
 };
@@ -46,13 +46,13 @@ std::size_t read_some(std::span<std::byte> room) {
 /// The mesh is made if a file or a reader wants it.
 Exit report(const RestrictedQuadtree& answer, const Description& description, const Request& request) {
   const Mesh mesh = triangulate(answer, request.threads);
-  const Metres bound = answer.bound + write_outputs(answer, mesh, description, request.outputs,
-                                                    stream_options(request.stream, request.threads));
+  StreamOptions options = request.stream;
+  options.threads = request.threads;
+  const Metres bound = answer.bound + write_outputs(answer, mesh, description, request.outputs, options);
   if (request.json) {
     print(Json{{"region", bounds(description, answer.region)},
                {"tolerance", answer.tolerance.value},
                {"bound", bound.value},
-               {"error_kind", name_of(description.error_kind)},
                {"error_metric", name_of(description.error_metric)},
                {"vertices", mesh.size()},
                {"triangles", mesh.triangles.size()},
@@ -107,7 +107,6 @@ RestrictedQuadtree merged(const RestrictedQuadtree& answer, const Request& reque
 
 Exit run_merge(const Request& request) {
   check_outputs(request.outputs, request.inputs);
-  static_cast<void>(stream_options(request.stream));
   for (const std::string& file : request.inputs) require_stream(file);
   const std::string& first = request.inputs.front();
   Stream base = read_stream(first, {}, nullptr, request.threads);
@@ -142,7 +141,6 @@ Stream read_standard_input(const Request& request) {
 
 Exit run_convert(const Request& request) {
   check_outputs(request.outputs, request.inputs);
-  static_cast<void>(stream_options(request.stream));
   const std::string& input = request.inputs.front();
   if (input != "-") require_stream(input);
   Stream stream = input == "-" ? read_standard_input(request) : read_stream(input, {}, nullptr, request.threads);

@@ -30,7 +30,6 @@ struct Checked {
   VerifyReport report;
   Description description;
   std::vector<std::string> sources;  ///< names of what the database was made from
-  [[nodiscard]] bool keeps_bound() const { return description.error_kind != ErrorKind::midpoint; }
 };
 
 std::vector<std::string> sources_of(const Snapshot& now) {
@@ -91,7 +90,7 @@ bool is_within(Metres error, Metres tolerance, double part) {
 /// Whether the measured surface keeps what was promised.
 bool is_within_bound(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
-  if (!tolerance || !report.true_error || !checked.keeps_bound()) return true;
+  if (!tolerance || !report.true_error) return true;
   const Description& d = checked.description;
   const Metres promised{std::max({tolerance->value, d.lossy_metres, d.finest_tolerance})};
   // Cells of degrees are measured in two ways here and there: a millionth.
@@ -108,7 +107,7 @@ std::string verdict(const Checked& checked, std::optional<Metres> tolerance, boo
   if (checked.report.is_damaged()) return "DAMAGED";
   if (!is_within_bound(checked, tolerance)) return "BEYOND ITS BOUND";
   if (checked.report.differences > 0) return with_details ? "NOT THE SAME AS THE SOURCE (sound in itself)" : "DIFFERS";
-  return checked.keeps_bound() || !with_details ? "sound" : "sound, without any bound";
+  return "sound";
 }
 
 std::string lower(std::string words) {
@@ -142,7 +141,6 @@ Json to_json(const Checked& checked, std::optional<Metres> tolerance) {
   if (report.true_error) {
     json["true_error"] = report.true_error->value;
     if (report.perpendicular_error) json["perpendicular_error"] = report.perpendicular_error->value;
-    json["keeps_bound"] = checked.keeps_bound();
     if (tolerance) json["tolerance"] = tolerance->value;
     json["vertices"] = report.vertices;
     json["triangles"] = report.triangles;
@@ -151,16 +149,6 @@ Json to_json(const Checked& checked, std::optional<Metres> tolerance) {
     json["stray_samples"] = report.stray_samples;
   }
   return json;
-}
-
-/// How far the answers of a database that keeps no bound are off.
-std::string beyond(const VerifyReport& report, Metres tolerance) {
-  const double error = (report.perpendicular_error ? *report.perpendicular_error : *report.true_error).value;
-  if (error <= tolerance.value)
-    return "this answer happens to be within it; errors of midpoints do not say so beforehand";
-  const std::string times =
-      tolerance.value > 0 ? fmt::format(", {:.3g} times the tolerance", error / tolerance.value) : "";
-  return fmt::format("{} m beyond it{}: errors of midpoints bound nothing", rounded(error - tolerance.value), times);
 }
 
 Table to_table(const Request& request, const Checked& made, std::optional<Metres> tolerance) {
@@ -181,7 +169,6 @@ Table to_table(const Request& request, const Checked& made, std::optional<Metres
     if (report.perpendicular_error)
       table.add("", fmt::format("{} at right angles to triangles, which is what the tolerance is about",
                                 metres(report.perpendicular_error->value)));
-    if (!made.keeps_bound() && tolerance) table.add("bound", beyond(report, *tolerance));
     table.add("covered", fmt::format("{} samples", counted(report.covered_samples)));
     if (report.uncovered_samples > 0) {
       table.add("uncovered",

@@ -216,11 +216,6 @@ bool parse_priority(const std::string& word) {
   throw Failure(Cause::invalid_argument, fmt::format("--priority takes later or resolution; \"{}\" is neither", word));
 }
 
-ErrorKind parse_error_kind(const std::string& word) {
-  if (const auto kind = error_kind_named(word)) return *kind;
-  throw Failure(Cause::invalid_argument, fmt::format("--error takes exact, nested or midpoint; \"{}\" is none", word));
-}
-
 ErrorMetric parse_error_metric(const std::string& word) {
   if (const auto metric = error_metric_named(word)) return *metric;
   throw Failure(Cause::invalid_argument,

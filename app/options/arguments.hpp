@@ -50,8 +50,7 @@ inline constexpr std::size_t kMostPoints = 10'000'000;
 [[nodiscard]] ColourCode parse_decode(const std::string& word);
 /// "later" (false) or "resolution" (true).
 [[nodiscard]] bool parse_priority(const std::string& word);
-/// "exact", "nested" or "midpoint"; "vertical" or "perpendicular".
-[[nodiscard]] ErrorKind parse_error_kind(const std::string& word);
+/// "vertical" or "perpendicular".
 [[nodiscard]] ErrorMetric parse_error_metric(const std::string& word);
 
 /// "constrain", "cover" or "clip".

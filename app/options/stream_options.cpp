@@ -9,34 +9,14 @@
 
 namespace talus::app {
 
-void add_stream_words(CLI::App* command, StreamWords& words) {
+void add_stream_words(CLI::App* command, StreamOptions& options) {
   command
-      ->add_option("--profile", words.profile,
-                   "Of .rqt files, which hold the same in each: fast is read fastest, balanced is a fifth\n"
-                   "smaller, small is smallest and slow")
-      ->option_text("fast|balanced|small [balanced]");
-  command
-      ->add_option("--bands", words.bands,
+      ->add_option("--bands", options.stripes,
                    "Of .rqt files: pieces of each level that several threads can read at once; 0: one for\n"
                    "each 65,536 vertices")
       ->transform(whole())
       ->check(CLI::Range(0, 4096))
       ->option_text("N [0]");
-}
-
-StreamOptions stream_options(const StreamWords& words, int threads) {
-  StreamOptions options;
-  options.stripes = words.bands;
-  options.threads = threads;
-  if (words.profile == "fast") {
-    options.profile = StreamProfile::fast;
-  } else if (words.profile == "small") {
-    options.profile = StreamProfile::small;
-  } else if (words.profile != "balanced") {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("--profile takes fast, balanced or small; \"{}\" is none of them", words.profile));
-  }
-  return options;
 }
 
 void add_height_words(CLI::App* command, HeightWords& words) {
@@ -72,10 +52,6 @@ Heights HeightWords::heights() const {
   if (!(heights.quantum.value > 0) || !std::isfinite(heights.quantum.value))
     throw Failure(Cause::invalid_argument, fmt::format("--quantum takes metres above 0; \"{}\" is not that", quantum));
   return heights;
-}
-
-std::string spelled(StreamProfile profile) {
-  return profile == StreamProfile::fast ? "fast" : profile == StreamProfile::small ? "small" : "balanced";
 }
 
 }  // namespace talus::app

@@ -10,12 +10,8 @@
 
 namespace talus::app {
 
-struct StreamWords {
-  std::string profile = "balanced";
-  int bands = 0;
-};
+void add_stream_words(CLI::App* command, StreamOptions& options);
 
-void add_stream_words(CLI::App* command, StreamWords& words);
 /// What heights an answer has: exact ones, or multiples of a quantum.
 struct HeightWords {
   std::string kind = "exact", quantum;
@@ -24,9 +20,5 @@ struct HeightWords {
   [[nodiscard]] Heights heights() const;
 };
 void add_height_words(CLI::App* command, HeightWords& words);
-
-/// Fails with invalid_argument, naming option and value.
-[[nodiscard]] StreamOptions stream_options(const StreamWords& words, int threads = 0);
-[[nodiscard]] std::string spelled(StreamProfile profile);
 
 }  // namespace talus::app

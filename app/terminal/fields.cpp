@@ -7,14 +7,12 @@ namespace talus::app {
 namespace {
 
 // A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 37> kOptions{{
+constexpr std::array<std::pair<const char*, const char*>, 35> kOptions{{
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
     {"IngestOptions::void_weight", "--void-weight"},
     {"IngestOptions::finest_tolerance", "--tolerance"},
-    {"IngestOptions::error_kind", "--error"},
     {"IngestOptions::error_metric", "--metric"},
-    {"IngestOptions::no_guarantee", "--no-guarantee"},
     {"InputOptions::allow_drivers", "--allow-driver"},
     {"InputOptions::allow_outside", "--allow-outside"},
     {"InputOptions::recursive", "--recursive"},

@@ -84,8 +84,6 @@ std::string clipped_text(const std::string& bbox) {
 }
 
 std::string bound_text(const Description& d, Metres bound) {
-  if (d.error_kind == ErrorKind::midpoint)
-    return "none: errors are those of midpoints (--no-guarantee), samples may lie any distance beyond the tolerance";
   if (d.error_metric == ErrorMetric::perpendicular)
     return metres(bound.value) + " at right angles to the triangles, more along the vertical";
   return metres(bound.value);

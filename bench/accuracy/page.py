@@ -26,30 +26,6 @@ PUBLISHED = [("Albis, 25 m, hills", [25921, 19773, 11636, 4664, 1789]),
 # ---- parts of the page -----------------------------------------------------------------------------------------
 
 
-def ingest(bench, folder):
-    """What kinds cost when a database is made: all take turns, each into a file of its own."""
-    rounds = 3
-    lines = ["| ingest, end to end | " + " | ".join(KINDS) + " |", "|---|" + "---|" * len(KINDS)]
-    for name, file in (("Taiwan, 268 M samples", "taiwan_z13/taiwan.vrt"), ("Kenya, 40 M samples", "kenya_central_z11.tif")):
-        if not (models() / file).exists():
-            continue
-        seconds, bytes_ = {kind: [] for kind in KINDS}, {}
-        for turn in range(rounds):
-            for kind, words in KINDS.items():
-                if kind == "perpendicular" and (turn > 0 or file.endswith(".vrt")):
-                    continue  # takes long, and its ratio is no matter of per cents
-                out = bench.scratch / "ingested.talus"
-                made = json.loads(run(bench.talus, "ingest", models() / file, out, "--overwrite", "--json", "--progress", "none", *words))
-                out.unlink()
-                seconds[kind].append(made["seconds"])
-                bytes_[kind] = made["bytes"]
-        base = statistics.median(seconds["midpoint"])
-        lines.append(f"| {name}: time, midpoint = 1 | " + " | ".join(f"{statistics.median(s) / base:.2f}" if s else "" for s in seconds.values()) + " |")
-        lines.append("| bytes a sample, midpoint = 1 | " + " | ".join(f"{bytes_[kind] / bytes_['midpoint']:.2f}" if kind in bytes_ else "" for kind in KINDS) + " |")
-        print(f"{name}: {seconds}", flush=True)
-    return lines
-
-
 def row_of(cells):
     return "| " + " | ".join(cells) + " |"
 
@@ -87,12 +63,15 @@ def models_(bench, folder):
 
 
 def windows(bench, folder):
-    """Error against vertices, time and bytes, of databases of each kind and of the peers."""
+    """Error against vertices, time and bytes, of databases, of kinds of errors that plain loops count, and of the peers."""
     over_vertices, over_time = [], []
     lines = table("window of 513²", "asked", "exact: vertices", "of samples", "95 % within", "RMS", "time", "bytes", "nested: vertices",
                   "midpoint: vertices", "true error", "perpendicular: vertices", "true error", "martini: vertices", "time", "true error")
     for window in bench.windows:
         found = {kind: bench.measured(window.cut, kind, window.timed) for kind in KINDS}
+        counted = bench.counted(window.cut, sorted(window.timed, reverse=True))
+        for kind in ("nested", "midpoint"):
+            found[kind] = [{**row, "largest_error": row["true_error"]} for row in counted[kind]]
         if bench.martini:
             martini = Martini(bench, window.cut)
             found["martini"] = martini.measured(sorted(window.timed, reverse=True))
@@ -100,7 +79,7 @@ def windows(bench, folder):
         curve = lambda kind, cost: [(r[cost], r["largest_error"]) for r in found[kind] if r["largest_error"] > 0]
         over_vertices.append((window.name, "vertices", "largest true error, m", {kind: curve(kind, "vertices") for kind in found}))
         over_time.append((window.name, "ms", "largest true error, m",
-                          {kind: [(1000 * s, e) for s, e in curve(kind, "warm_seconds")] for kind in found}))
+                          {kind: [(1000 * s, e) for s, e in curve(kind, "warm_seconds")] for kind in (*KINDS, "martini") if kind in found}))
         at = {kind: {r["tolerance"]: r for r in rows} for kind, rows in found.items()}
         finest = at["exact"][window.shown[0]]["warm_seconds"]
         for name, tolerance in names_first(window):
@@ -118,9 +97,9 @@ def windows(bench, folder):
                 row += ["", "", ""]
             lines.append(row_of(row))
         print(f"{window.name}: answers", flush=True)
-    legend = [(kind, kind) for kind in KINDS] + [("martini", "martini, without reading the file")]
-    picture(folder / "vertices.svg", over_vertices, [*legend[:-1], ("martini", "martini")] if bench.martini else legend[:-1])
-    picture(folder / "time.svg", over_time, legend if bench.martini else legend[:-1])
+    legend = lambda kinds, martini: [(kind, kind) for kind in kinds] + ([("martini", martini)] if bench.martini else [])
+    picture(folder / "vertices.svg", over_vertices, legend(["exact", "nested", "midpoint", "perpendicular"], "martini"))
+    picture(folder / "time.svg", over_time, legend(KINDS, "martini, without reading the file"))
     return lines
 
 
@@ -208,26 +187,6 @@ def bytes_(bench, folder):
     return lines
 
 
-def profiles(bench, folder):
-    """Bytes of each profile, and what coding and reading them takes."""
-    lines = table("window of 513²", "asked", *(f"{heights}: {what}" for heights in ("exact", "bounded") for what in ("balanced", "fast", "small")))
-    for window in bench.windows:
-        for name, tolerance in names_first(window):
-            row = [name, f"{tolerance} m"]
-            for heights in ("exact", "bounded"):
-                ask = lambda profile: bench.answer(bench.database(window.cut), "--tolerance", tolerance, "--heights", heights, "--profile", profile)["bytes"]
-                balanced = ask("balanced")
-                row += [f"{balanced / 1000:,.1f} kB", share(ask("fast"), balanced), share(ask("small"), balanced)]
-            lines.append(row_of(row))
-    words = ["--benchmark_filter=BM_(Encode|Decode)/3/", "--benchmark_format=json", "--benchmark_repetitions=5", "--benchmark_report_aggregates_only=true"]
-    timed = json.loads(run(bench.build / "bench/bench_stream", *words))["benchmarks"]
-    seconds = {b["run_name"]: b["real_time"] for b in timed if b["aggregate_name"] == "median"}
-    for what, verb in (("Encode", "write"), ("Decode", "read")):
-        times = [[seconds[f"BM_{what}/3/{heights}/{profile}"] for profile in (1, 0, 2)] for heights in (0, 1)]
-        lines.append(row_of([f"time to {verb} all of bigtujunga", "5 m", *(f"{t / of[0]:.2f}" for of in times for t in of)]))
-    return lines
-
-
 def borders(bench, folder):
     """A rectangle amid a larger raster: what its border takes, on the lattice and beside it."""
     cells = SIDE - 32
@@ -301,8 +260,8 @@ def choices(bench, folder):
     return lines
 
 
-PARTS = {"choices": choices, "models": models_, "windows": windows, "kinds": kinds, "ingest": ingest, "paper": paper, "bytes": bytes_,
-         "profiles": profiles, "chains": chains, "borders": borders}
+PARTS = {"choices": choices, "models": models_, "windows": windows, "kinds": kinds, "paper": paper, "bytes": bytes_,
+         "chains": chains, "borders": borders}
 
 
 def main():

@@ -3,8 +3,7 @@
 
     streams.py TALUS FOLDER        TALUS: the program; FOLDER: where databases are kept; models in TALUS_DEM_DIR
 
-For each model and tolerance: vertices and triangles of the bounded answer, its quantum, and the bytes and bits a triangle of
-the three profiles; LERC with ZSTD, tiles of 256², MAX_Z_ERROR the tolerance, over the same window; Draco's sequential coding
+For each model and tolerance: vertices and triangles of the bounded answer, its quantum, and its bytes and bits a triangle; LERC with ZSTD, tiles of 256², MAX_Z_ERROR the tolerance, over the same window; Draco's sequential coding
 of the same mesh with its columns, rows and height quanta as they are, quantised so finely that none is lost, at its
 strongest level (needs draco_encoder: Debian package draco); meshoptimizer's codecs of it behind zstd (needs meshopt, built
 beside the benches where the library is: Debian package libmeshoptimizer-dev); and what Dick et al. need for it by their layout,
@@ -92,7 +91,7 @@ def main():
     models = Path(os.environ.get("TALUS_DEM_DIR", "../shared/dem"))
     tolerances = [float(t) for t in sys.argv[3].split(",")] if len(sys.argv) > 3 else [5, 20]
     meshopt = talus.parent.parent / "bench" / "peers" / "meshopt"
-    print("model tolerance quantum vertices triangles | fast balanced small: bytes (bits) | LERC, against | "
+    print("model tolerance quantum vertices triangles | bytes (bits) | LERC, against | "
           "peers on the same mesh: bytes (bits), against")
     for name in MODELS:
         if len(sys.argv) > 4 and sys.argv[4] not in name:
@@ -106,23 +105,20 @@ def main():
         window, bbox, transform = window_of(models / name)
         for tolerance in tolerances:
             rqt, ply = folder / "answer.rqt", folder / "answer.ply"
-            sizes = {}
-            for profile in ("fast", "balanced", "small"):
-                said = json.loads(run(talus, "query", database, bbox, "--tolerance", tolerance, "--heights", "bounded",
-                                      "--profile", profile, "-o", rqt, "-o", ply, "--json"))
-                sizes[profile] = rqt.stat().st_size
+            said = json.loads(run(talus, "query", database, bbox, "--tolerance", tolerance, "--heights", "bounded",
+                                  "-o", rqt, "-o", ply, "--json"))
+            ours = rqt.stat().st_size
             lerc = folder / "lerc.tif"
             gdal.Translate(str(lerc), str(models / name), srcWin=window,
                            creationOptions=["COMPRESS=LERC_ZSTD", f"MAX_Z_ERROR={tolerance}", "TILED=YES",
                                             "BLOCKXSIZE=256", "BLOCKYSIZE=256"])
             points, faces = read_ply(ply)
-            bits = {p: 8 * s / max(1, len(faces)) for p, s in sizes.items()}
-            words = " ".join(f"{sizes[p]:,} ({bits[p]:.2f})" for p in sizes)
             peers = peers_of(folder, points, faces, transform, said["quantum"], meshopt)
-            against = f"{sizes['balanced'] / lerc.stat().st_size:.2f}"
-            told = ", ".join(f"{peer} {size:,} ({8 * size / max(1, len(faces)):.2f}) {sizes['balanced'] / size:.2f}"
+            against = f"{ours / lerc.stat().st_size:.2f}"
+            told = ", ".join(f"{peer} {size:,} ({8 * size / max(1, len(faces)):.2f}) {ours / size:.2f}"
                              for peer, size in peers.items())
-            print(f"{Path(name).stem} {tolerance} {said['quantum']:g} {len(points):,} {len(faces):,} | {words} | "
+            print(f"{Path(name).stem} {tolerance} {said['quantum']:g} {len(points):,} {len(faces):,} | "
+                  f"{ours:,} ({8 * ours / max(1, len(faces)):.2f}) | "
                   f"{lerc.stat().st_size:,} {against} | {told}", flush=True)
 
 

@@ -334,8 +334,8 @@ class BlockErrors {
   Workspace& memory_;
 };
 
-}  // namespace
-
+/// Raises the errors of vertices with a half that mixes data and void to the least such a half has, which follows from
+/// its row and shape. The input has voids.
 void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
   const BlockKernel& kernel = block_kernel();
   for (int level = 0; level < errors.levels(); ++level) {
@@ -359,6 +359,8 @@ void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) {
     }
   }
 }
+
+}  // namespace
 
 void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors) {
   std::visit(

@@ -10,8 +10,4 @@ namespace talus::detail {
 /// interior and the hypotenuse of a triangle count, because its legs are hypotenuses of its children.
 void block_errors(const ErrorInput& input, GridRect blocks, LevelGrid<ErrorCode>& errors);
 
-/// Raises the errors of vertices with a mixed half to the least error of such a half, which follows from its row and
-/// shape. The input must have voids.
-void mixed_errors(const ErrorInput& input, LevelGrid<ErrorCode>& errors);
-
 }  // namespace talus::detail

@@ -30,10 +30,9 @@ double reference_half_error(const ErrorInput& input, GridPoint vertex, int side,
   if (!inside(t, field.extent) || (holds & kData) == 0) return 0;
   const Plane<double> plane = plane_of(t, [&](GridPoint p) { return field[p]; });
   double metres = 0;
-  const bool middle_alone = !input.rule.measures_samples();
-  if (middle_alone || (t.s == 1 && !t.centre)) {
-    const bool counts = middle_alone || field.is_valid(field.index(vertex));
-    if (counts) metres = finest_error(field[vertex], field[t.a], field[t.b], field.distance);
+  if (t.s == 1 && !t.centre) {
+    if (field.is_valid(field.index(vertex)))
+      metres = finest_error(field[vertex], field[t.a], field[t.b], field.distance);
   } else {
     metres = field.distance.metres(largest_distance(field, t, plane)) + input.margin(vertex, side);
   }

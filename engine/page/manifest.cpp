@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "engine/error/error_rule.hpp"
 #include "engine/page/page_layout.hpp"
 #include "talus/failure.hpp"
 
@@ -16,6 +15,9 @@ namespace talus {
 namespace {
 
 using Json = nlohmann::json;
+
+/// Which samples errors look at: all of a vertex's diamond.
+constexpr const char* kErrorKind = "exact";
 
 /// Refuses values that would overflow later arithmetic.
 void require_plausible(const Manifest& m) {
@@ -33,8 +35,6 @@ void require_plausible(const Manifest& m) {
         d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
     if (!std::isfinite(v)) refuse("a number is not finite");
   }
-  if (d.error_kind == ErrorKind::nested && d.error_metric == ErrorMetric::perpendicular)
-    refuse("nested errors cannot be perpendicular");
   if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("the loss or the finest tolerance is negative");
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
     refuse("the number of coarsest pages does not match the extent");
@@ -81,7 +81,7 @@ std::vector<std::byte> encode(const Manifest& m) {
        {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
       {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
       {"errors",
-       {{"kind", name_of(d.error_kind)},
+       {{"kind", kErrorKind},
         {"metric", name_of(d.error_metric)},
         {"void_weight", d.void_weight},
         {"lossy_bound", d.lossy_metres},
@@ -158,16 +158,19 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
                       kBandLevels));
     }
     const Json& errors = json.at("errors");
-    const auto kind = error_kind_named(errors.at("kind").get<std::string>());
-    const auto metric = error_metric_named(errors.at("metric").get<std::string>());
-    if (!kind || !metric) {
+    if (errors.at("kind").get<std::string>() != kErrorKind) {
       throw Failure(Cause::unsupported,
-                    fmt::format("the database has errors of kind {} and metric {}, which this program does not know: "
-                                "use the program that made it",
-                                errors.at("kind").dump(), errors.at("metric").dump()));
+                    fmt::format("the database has errors of kind {}, this program reads exact ones: ingest the source again",
+                                errors.at("kind").dump()));
+    }
+    const auto metric = error_metric_named(errors.at("metric").get<std::string>());
+    if (!metric) {
+      throw Failure(Cause::unsupported,
+                    fmt::format("the database has errors of metric {}, which this program does not know: use the "
+                                "program that made it",
+                                errors.at("metric").dump()));
     }
     m.description = description_of(json);
-    m.description.error_kind = *kind;
     m.description.error_metric = *metric;
     m.bands = whole<int>(layout.at("bands"));
     m.generation = whole<std::uint32_t>(json.at("generation"));

@@ -1,5 +1,5 @@
 #pragma once
-// What the candidates of a level are, as bytes: one way for each profile. docs/format/rqt-v1.md, sections 7 to 9.
+// What the candidates of a level are, as bytes. docs/format/rqt-v1.md, section 7.
 //
 // Rows of a level are cut into stripes, of about as many rows each. Stripes are coded apart, so that several threads can
 // take them; what is expected of a candidate does not depend on its stripe.
@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "engine/stream/level_walk.hpp"
-#include "talus/stream.hpp"
 
 namespace talus {
 
@@ -25,28 +24,20 @@ namespace talus {
 /// What a walk told of one stripe of half a level.
 template <class Code>
 struct StripeRecord {
-  struct Row {
-    std::int32_t row;
-    std::size_t count;
-  };
-  BitLattice const* lattice = nullptr;
-  std::vector<Row> rows;
+  std::vector<std::size_t> rows;  ///< candidates of each
   std::vector<std::uint8_t> contexts, present;
   std::vector<Code> residuals;  ///< of absent ones: 0
-  // Only of the small profile.
-  std::vector<std::uint32_t> columns;
-  std::vector<std::uint8_t> energies, distances;
 
-  void take(const CandidateRow<Code>& row, bool with_surroundings);
+  void take(const CandidateRow<Code>& row);
 };
 
-/// Tables of the balanced profile may serve the next level, too.
+/// Tables may serve the next level, too.
 struct SymbolState;
 
 template <class Code>
 class LevelEncoder {
  public:
-  explicit LevelEncoder(StreamProfile profile);
+  LevelEncoder();
   ~LevelEncoder();
   LevelEncoder(const LevelEncoder&) = delete;
   LevelEncoder& operator=(const LevelEncoder&) = delete;
@@ -54,14 +45,13 @@ class LevelEncoder {
   [[nodiscard]] std::vector<std::byte> encode(std::array<std::vector<StripeRecord<Code>>, 2> const& halves);
 
  private:
-  StreamProfile profile_;
   std::unique_ptr<SymbolState> state_;
 };
 
 template <class Code>
 class LevelDecoder {
  public:
-  explicit LevelDecoder(StreamProfile profile);
+  LevelDecoder();
   ~LevelDecoder();
   LevelDecoder(const LevelDecoder&) = delete;
   LevelDecoder& operator=(const LevelDecoder&) = delete;
@@ -77,7 +67,6 @@ class LevelDecoder {
   struct Stripe;
 
  private:
-  StreamProfile profile_;
   std::unique_ptr<SymbolState> state_;
   std::array<std::vector<std::unique_ptr<Stripe>>, 2> stripes_;
 };

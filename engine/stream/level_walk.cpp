@@ -5,7 +5,7 @@
 namespace talus {
 namespace {
 
-// Thresholds in eighths of the tolerance; energies are half of the sum of two.
+// Thresholds in eighths of the tolerance.
 [[gnu::always_inline]] inline int energy_class(int sum) { return int{sum >= 9} + int{sum >= 16} + int{sum >= 28}; }
 [[gnu::always_inline]] inline int distance_class(int size) { return int{size >= 2} + int{size >= 5} + int{size >= 9}; }
 
@@ -16,20 +16,18 @@ template <class Code>
   // None of these overlap, which is said so that the loops become vectors.
   const Code* __restrict end1 = c.end1, * __restrict end2 = c.end2, * __restrict beside1 = c.beside1, * __restrict beside2 = c.beside2;
   Code* __restrict predicted = c.predicted, * __restrict flips = c.flips;
-  std::uint8_t* __restrict distances = c.distances;
+  std::uint8_t* __restrict contexts = c.contexts;  // first the distance between the two predictions
   for (std::size_t i = 0; i < count; ++i) {
     const Code middle = halfway(end1[i], end2[i]);
     predicted[i] = middle;
     flips[i] = wrapped_difference(halfway(beside1[i], beside2[i]), middle);
   }
-  for (std::size_t i = 0; i < count; ++i) distances[i] = Scale::size(flips[i], scale);
+  for (std::size_t i = 0; i < count; ++i) contexts[i] = Scale::size(flips[i], scale);
   for (std::size_t i = 0; i < count; ++i) flips[i] = static_cast<Code>(flips[i] >> (8 * sizeof(Code) - 1));
   const std::uint8_t* __restrict size1 = c.size1, * __restrict size2 = c.size2;
-  std::uint8_t* __restrict energies = c.energies, * __restrict contexts = c.contexts;
   for (std::size_t i = 0; i < count; ++i) {
     const int sum = int{size1[i]} + size2[i];
-    energies[i] = static_cast<std::uint8_t>(sum / 2);
-    contexts[i] = static_cast<std::uint8_t>(first + energy_class(sum) * kDistances + distance_class(distances[i]));
+    contexts[i] = static_cast<std::uint8_t>(first + energy_class(sum) * kDistances + distance_class(contexts[i]));
   }
 }
 

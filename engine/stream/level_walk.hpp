@@ -77,7 +77,7 @@ struct Expectations {
   const Code *end1 = nullptr, *end2 = nullptr, *beside1 = nullptr, *beside2 = nullptr;
   const std::uint8_t *size1 = nullptr, *size2 = nullptr;  ///< of the residuals of those beside
   Code *predicted = nullptr, *flips = nullptr;
-  std::uint8_t *contexts = nullptr, *energies = nullptr, *distances = nullptr;
+  std::uint8_t* contexts = nullptr;
 };
 /// What is expected of strict candidates: halfway between the ends of the diamond; where the vertices beside stand
 /// higher than that, rather more.
@@ -108,13 +108,10 @@ struct KnownVertices {
 /// Candidates of a row, strict ones first, each kind from the west. All arrays have room for `count`.
 template <class Code>
 struct CandidateRow {
-  BitLattice const* lattice = nullptr;
-  std::int32_t row = 0;  ///< of the lattice
+  std::int32_t row = 0;  ///< of the level's lattice
   std::size_t count = 0;
   const std::uint32_t* columns = nullptr;
   const std::uint8_t* contexts = nullptr;
-  const std::uint8_t* energies = nullptr;   ///< of the parents' residuals, half the sum: Scale
-  const std::uint8_t* distances = nullptr;  ///< between the two predictions: Scale
   const Code* predicted = nullptr;
   const Code* flips = nullptr;      ///< all bits set where a residual is expected to be negative
   std::uint8_t* present = nullptr;  ///< to be told: 1 for a vertex
@@ -286,13 +283,11 @@ class LevelWalk {
 
   struct Room {
     std::vector<std::uint32_t> columns;
-    std::vector<std::uint8_t> contexts, energies, distances, present, size1, size2, sizes;
+    std::vector<std::uint8_t> contexts, present, size1, size2, sizes;
     std::vector<Code> end1, end2, beside1, beside2, predicted, flips, residuals, heights;
     explicit Room(std::size_t n)
         : columns(n),
           contexts(n),
-          energies(n),
-          distances(n),
           present(n),
           size1(n),
           size2(n),
@@ -332,7 +327,6 @@ class LevelWalk {
     room.columns[n] = static_cast<std::uint32_t>(i);
     room.predicted[n] = predicted;
     room.flips[n] = 0;
-    room.energies[n] = room.distances[n] = 0;
     room.contexts[n] = static_cast<std::uint8_t>(kStrictContexts + kind);
   }
 
@@ -461,8 +455,7 @@ class LevelWalk {
       }
     }
     expect_all({n, room.end1.data(), room.end2.data(), room.beside1.data(), room.beside2.data(), room.size1.data(),
-                room.size2.data(), room.predicted.data(), room.flips.data(), room.contexts.data(), room.energies.data(),
-                room.distances.data()},
+                room.size2.data(), room.predicted.data(), room.flips.data(), room.contexts.data()},
                scale_.factor(), are_centres ? 0 : 1);
     if (has_loose_) {
       for (std::size_t w = 0; w < f.words_per_row; ++w) {
@@ -472,13 +465,10 @@ class LevelWalk {
       }
     }
     if (n == 0) return;
-    CandidateRow<Code> candidates{&f,
-                                  j,
+    CandidateRow<Code> candidates{j,
                                   n,
                                   room.columns.data(),
                                   room.contexts.data(),
-                                  room.energies.data(),
-                                  room.distances.data(),
                                   room.predicted.data(),
                                   room.flips.data(),
                                   room.present.data(),

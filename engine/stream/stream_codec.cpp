@@ -34,7 +34,7 @@ const RestrictedQuadtree& quadtree_of(const Stream& stream) {
 
 [[noreturn]] void refuse_argument(const std::string& what) { throw Failure(Cause::invalid_argument, what); }
 
-StreamHeader header_of(const Stream& stream, const StreamOptions& options, const RestrictedQuadtree* base) {
+StreamHeader header_of(const Stream& stream, const RestrictedQuadtree* base) {
   const RestrictedQuadtree& q = quadtree_of(stream);
   const auto* increment = std::get_if<Increment>(&stream.content);
   const Description& d = stream.description;
@@ -64,7 +64,6 @@ StreamHeader header_of(const Stream& stream, const StreamOptions& options, const
   h.from = increment != nullptr ? increment->from : Metres{std::numeric_limits<double>::infinity()};
   h.vertices = n;
   h.parts = 1 + root_of(q.level_errors.empty() ? h.window : d.extent);
-  h.profile = options.profile;
   if (base != nullptr) h.base = digest_of(*base);
   return h;
 }
@@ -82,7 +81,7 @@ std::vector<EncodedPart> parts_of(const StreamHeader& h, const HeightCoding& cod
 
 std::vector<std::byte> encode(const Stream& stream, const StreamOptions& options, const RestrictedQuadtree* base) {
   if (!std::holds_alternative<Increment>(stream.content)) base = nullptr;
-  StreamHeader h = header_of(stream, options, base);
+  StreamHeader h = header_of(stream, base);
   const RestrictedQuadtree& q = quadtree_of(stream);
   std::vector<std::span<const double>> heights{q.heights};
   if (base != nullptr) heights.push_back(base->heights);
@@ -289,7 +288,6 @@ StreamInfo stream_info(std::span<const std::byte> bytes, const StreamLimits& lim
   info.from = h->from;
   info.tolerance = h->quadtree.tolerance;
   info.bound = h->quadtree.bound;
-  info.profile = h->profile;
   info.vertices = h->vertices;
   info.bytes = bytes.size();
   info.header_bytes = h->bytes;

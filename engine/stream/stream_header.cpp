@@ -17,6 +17,7 @@ namespace {
 constexpr std::array<char, 8> kMagic{'T', 'A', 'L', 'U', 'S', 'R', 'Q', 'T'};
 constexpr std::size_t kChecksum = 8, kSmallestHeader = 32;
 constexpr std::uint32_t kMostText = 1 << 20;  // a CRS of a megabyte is none
+constexpr std::uint32_t kCoding = 1;          // of parts; earlier versions had 0 and 2, too
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum Flags : std::uint32_t {
@@ -27,8 +28,7 @@ enum Flags : std::uint32_t {
   kWholeCodes = 16,
   kLoose = 32,
   kWide = 64,
-  kNested = 128,
-  kMidpoint = 256,
+  kOtherErrors = 128 | 256,  ///< nested and midpoint ones, which earlier versions had
   kPerpendicular = 512,
   kAllFlags = 1023
 };
@@ -128,8 +128,7 @@ void put_header(StreamWriter& out, const StreamHeader& h) {
   out.put(std::uint32_t{0});  // the header's length, put in below
   out.put((h.is_increment ? kIncrement : 0u) | (q.origin.is_plain ? kPlain : 0u) | (h.has_covers ? kCovers : 0u) |
           (q.level_errors.empty() ? 0u : kLevelErrors) | (d.step.integer ? kWholeCodes : 0u) |
-          (h.has_loose ? kLoose : 0u) | (h.is_wide ? kWide : 0u) | (d.error_kind == ErrorKind::nested ? kNested : 0u) |
-          (d.error_kind == ErrorKind::midpoint ? kMidpoint : 0u) |
+          (h.has_loose ? kLoose : 0u) | (h.is_wide ? kWide : 0u) |
           (d.error_metric == ErrorMetric::perpendicular ? kPerpendicular : 0u));
   out.put(static_cast<std::uint32_t>(h.parts));
   out.put(q.origin.identity.content);
@@ -140,7 +139,7 @@ void put_header(StreamWriter& out, const StreamHeader& h) {
   out.put(d.extent);
   for_each_number(h, [&](double v) { out.put(v); });
   out.put(h.vertices);
-  out.put(static_cast<std::uint32_t>(h.profile));
+  out.put(kCoding);
   out.put(static_cast<std::uint32_t>(h.kind));
   out.put(h.base);
   out.put(static_cast<std::uint32_t>(d.crs_wkt.size()));
@@ -183,6 +182,12 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   (void)in.take(kMagic.size() + 8);
   const auto flags = in.take<std::uint32_t>();
   if ((flags & ~std::uint32_t{kAllFlags}) != 0) in.refuse("unknown flags");
+  if ((flags & kOtherErrors) != 0) {
+    throw Failure(
+        Cause::unsupported,
+        "a stream whose vertices were chosen by nested or midpoint errors, this program reads streams of exact "
+        "errors only; ask its database again");
+  }
   h.is_increment = (flags & kIncrement) != 0;
   h.has_covers = (flags & kCovers) != 0;
   h.has_loose = (flags & kLoose) != 0;
@@ -191,11 +196,7 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   Description& d = h.description;
   q.origin.is_plain = (flags & kPlain) != 0;
   d.step.integer = (flags & kWholeCodes) != 0;
-  if ((flags & kNested) != 0) d.error_kind = ErrorKind::nested;
-  if ((flags & kMidpoint) != 0) d.error_kind = ErrorKind::midpoint;
   if ((flags & kPerpendicular) != 0) d.error_metric = ErrorMetric::perpendicular;
-  if ((flags & kNested) != 0 && (flags & (kMidpoint | kPerpendicular)) != 0)
-    in.refuse("errors of two kinds that do not go together");
   h.parts = in.take<std::uint32_t>();
   q.origin.identity.content = in.take<std::uint64_t>();
   q.origin.identity.generation = in.take<std::uint32_t>();
@@ -207,10 +208,13 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   d.extent = in.rect();
   for_each_number(h, [&](double& v) { v = in.take<double>(); });
   h.vertices = in.take<std::uint64_t>();
-  const auto profile = in.take<std::uint32_t>(), kind = in.take<std::uint32_t>();
-  if (profile > static_cast<std::uint32_t>(StreamProfile::small)) in.refuse("unknown profile");
+  const auto coding = in.take<std::uint32_t>(), kind = in.take<std::uint32_t>();
+  if (coding != kCoding) {
+    throw Failure(Cause::unsupported,
+                  fmt::format("a stream of coding {}, this program reads coding {} only; ask its database again",
+                              coding, kCoding));
+  }
   if (kind > static_cast<std::uint32_t>(CodeKind::quanta)) in.refuse("unknown code of heights");
-  h.profile = static_cast<StreamProfile>(profile);
   h.kind = static_cast<CodeKind>(kind);
   h.base = in.take<std::uint64_t>();
   const auto crs = in.take<std::uint32_t>(), unit = in.take<std::uint32_t>();

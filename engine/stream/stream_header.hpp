@@ -29,7 +29,6 @@ struct StreamHeader {
   Metres from;
   std::uint64_t vertices = 0;
   std::size_t parts = 0;
-  StreamProfile profile = StreamProfile::balanced;
   CodeKind kind = CodeKind::whole;
   std::uint64_t base = 0;  ///< digest of what an increment goes on from
   std::size_t bytes = 0;   ///< its own

@@ -152,7 +152,6 @@ class PartsEncoder {
         options_(options),
         threads_(threads_or_all(options.threads)),
         scale_(HeightCoding::of(header).tolerance),
-        encoder_(header.profile),
         known_(header.root()) {
     lattices_.push_back(bits_of(q.vertices));
     for (int shift = 1; shift <= header.root(); ++shift) lattices_.push_back(coarser(lattices_.back(), header.window));
@@ -227,9 +226,8 @@ class PartsEncoder {
       if (lists) own.push_back(p);
     });
     put_centres_first(own);
-    const std::size_t wanted = options_.stripes > 0
-                                   ? static_cast<std::size_t>(options_.stripes)
-                                   : 1 + count / (h_.profile == StreamProfile::small ? 1u << 19 : 1u << 16);
+    const std::size_t wanted =
+        options_.stripes > 0 ? static_cast<std::size_t>(options_.stripes) : 1 + count / (1u << 16);
     const std::size_t stripes = std::clamp<std::size_t>(wanted, 1, static_cast<std::size_t>(std::max(1, lattice.rows)));
 
     LevelWalk<Code> walk(h_.window, so_far_, scale_, h_.has_loose, most_);
@@ -241,7 +239,7 @@ class PartsEncoder {
         auto parts = walk_half(walk, half, stripes, threads_, known_.at(shift, half),
                                [&](std::size_t b, CandidateRow<Code>& row) {
                                  tell(lattice, row);
-                                 records[half][b].take(row, h_.profile == StreamProfile::small);
+                                 records[half][b].take(row);
                                });
         half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
       };
@@ -331,7 +329,6 @@ PartsDecoder<Code>::PartsDecoder(const StreamHeader& header, const RestrictedQua
       base_(base),
       threads_(threads_or_all(threads)),
       coding_(HeightCoding::of(header)),
-      decoder_(header.profile),
       known_(header.root()),
       may_have_gaps_(header.has_loose) {
   if (base == nullptr) return;

@@ -105,11 +105,7 @@ void CoarseLevels::settle(const ForEachTile& tiles, const ReadBack& read_back) {
   tiles([&](TileId id, const TileSummary& summary) { take(id, summary); });
   hold_large_halves();
   fill_far_voids();
-  if (rule_.measures_samples()) {
-    measure_large(tiles, read_back);
-  } else {
-    measure_middles();
-  }
+  measure_large(tiles, read_back);
   saturate();
 }
 
@@ -384,25 +380,6 @@ void CoarseLevels::measure_large(const ForEachTile& tiles, const ReadBack& read_
   }
 }
 
-/// Measures all levels when errors need only the heights of the vertex and the ends of its side.
-void CoarseLevels::measure_middles() {
-  for (int shift = 0; shift < errors_.levels(); ++shift) {
-    for (const bool centres : {false, true}) {
-      errors_.for_each(shift, centres, [&](GridPoint unit) {
-        for (const int side : {0, 1}) {
-          const HalfDiamond t = half_diamond(in_samples(unit), side);
-          if (!inside(t, extent_) || (half(unit, side) & kData) == 0) continue;
-          const double metres = finest_error(height(t.vertex), height(t.a), height(t.b), distance_);
-          ErrorCode code =
-              error_code(metres * rule_.share(t, plane_of(t, [&](GridPoint p) { return height(p); }), distance_));
-          if (half(unit, side) == kMixed) code = std::max(code, error_code(void_weight_ * ground_side_(t)));
-          errors_[unit] = std::max(errors_[unit], code);
-        }
-      });
-    }
-  }
-}
-
 // ---- saturation ------------------------------------------------------------------------------------
 
 /// The largest error of a vertex's children; outside the rim every error is zero.
@@ -439,7 +416,7 @@ void CoarseLevels::saturate() {
         ErrorCode& own = errors_[unit];
         const ErrorCode from_below = below(shift, centres, unit);
         if (own != 0 && from_below == 0 && is_exactly_zero(unit)) own = 0;
-        own = rule_.over(own, from_below);
+        own = std::max(own, from_below);
       });
     }
   }

@@ -46,7 +46,6 @@ class CoarseLevels {
   void take(TileId id, const TileSummary& summary);
   void hold_large_halves();
   void fill_far_voids();
-  void measure_middles();
   void measure_large(const ForEachTile& tiles, const ReadBack& read_back);
   void collect_large();
   void bound_in(TileId id, const TileSummary& summary);

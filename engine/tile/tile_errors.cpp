@@ -2,7 +2,6 @@
 #include <cstring>
 
 #include "engine/error/block_errors.hpp"
-#include "engine/error/other_errors.hpp"
 #include "engine/error/saturation.hpp"
 #include "engine/error/slab_errors.hpp"
 #include "engine/machine/large_memory.hpp"
@@ -91,7 +90,6 @@ class FarVertices {
     if (holds == kMixed) {
       record_.errors[index(p)] = std::max(record_.errors[index(p)], error_code(detail::mixed_error(input_, t)));
     }
-    if (!input_.rule.measures_samples()) return;  // the coarse levels need no more for these errors
     if (has_fill(t.apex) && has_fill(t.a) && has_fill(t.b)) {
       halves_.push_back(t);
     } else {
@@ -202,15 +200,15 @@ void tile_errors(const TileInput& tile, TileErrors& result) {
     input.bits = &*bits;
   }
   const GridRect used = common(around, window);
-  if (tile.rule.is_usual()) {
+  if (tile.rule.is_vertical()) {
     detail::block_errors(input,
                          {{used.first.col >> kBlockShift, used.first.row >> kBlockShift},
                           {(used.last.col - 1) >> kBlockShift, (used.last.row - 1) >> kBlockShift}},
                          result.errors);
-    saturate(input, result.errors);
-  } else {
-    detail::other_errors(input, result.errors);
+  } else {  // the kernels leave a triangle's sides to its children, which are tilted otherwise
+    result.errors = reference_errors(input, kTileLevels);
   }
+  saturate(input, result.errors);
   const GridPoint first{tile.id.x * kTileBlocks, tile.id.y * kTileBlocks};
   const GridRect blocks{first, {first.col + kTileBlocks, first.row + kTileBlocks}};
   const std::vector<detail::BlockShape> shapes = detail::block_shapes(input.field, blocks);

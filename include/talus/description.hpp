@@ -12,23 +12,12 @@
 
 namespace talus {
 
-/// Which samples the error of a vertex looks at. A vertex never has a smaller error than its descendants.
-enum class ErrorKind : std::uint8_t {
-  exact,  ///< the largest distance of any sample in its diamond from the surface without the vertex
-  /// The distance of the vertex alone, plus the largest error of its children. Never below exact: answers keep their
-  /// bound and have more vertices than they need.
-  nested,
-  midpoint,  ///< the distance of the vertex alone: no bound, for comparison
-};
-
-/// The direction of the distance: vertical, or at right angles to the triangle [P98 §5], which is never larger. Cells
+/// The direction of a vertex's error: vertical, or at right angles to the triangle [P98 §5], which is never larger. Cells
 /// count as large as on the row of the vertex.
 enum class ErrorMetric : std::uint8_t { vertical, perpendicular };
 
 /// Names as in manifests and on command lines.
-[[nodiscard]] const char* name_of(ErrorKind kind);
 [[nodiscard]] const char* name_of(ErrorMetric metric);
-[[nodiscard]] std::optional<ErrorKind> error_kind_named(std::string_view name);
 [[nodiscard]] std::optional<ErrorMetric> error_metric_named(std::string_view name);
 
 /// How a stored height code becomes the source's value, bit for bit:
@@ -71,12 +60,7 @@ struct Description {
   double lossy_metres = 0;  ///< the largest distance between stored and source heights; part of every bound
   /// The tolerance of the finest answer: only its vertices were kept. 0: all samples were kept.
   double finest_tolerance = 0;
-  ErrorKind error_kind = ErrorKind::exact;
   ErrorMetric error_metric = ErrorMetric::vertical;
-  /// Whether answers have a vertical bound. Everything that rounds heights or leaves them out needs one.
-  [[nodiscard]] bool has_vertical_bound() const {
-    return error_kind != ErrorKind::midpoint && error_metric == ErrorMetric::vertical;
-  }
   /// Vertices with an error within this were not kept, in metres. 0: all were kept.
   [[nodiscard]] double kept_above() const {
     return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0;

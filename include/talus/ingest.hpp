@@ -73,9 +73,7 @@ struct IngestOptions {
   double void_weight = 1.0;  ///< metres of error a metre of ground side, for a triangle with data and voids
   /// Keep only the vertices of the answer at this tolerance. Finer answers and the samples are lost. 0: keep all.
   Metres finest_tolerance{0};
-  ErrorKind error_kind = ErrorKind::exact;
-  ErrorMetric error_metric = ErrorMetric::vertical;     ///< perpendicular: only with exact and midpoint
-  bool no_guarantee = false;                            ///< required for ErrorKind::midpoint: answers have no bound
+  ErrorMetric error_metric = ErrorMetric::vertical;
   int threads = 0;                                      ///< 0: one a core. The pages do not depend on it
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< most memory of the process. The pages do not depend on it
   InputOptions inputs = {};
@@ -139,7 +137,7 @@ IngestReport ingest(const std::filesystem::path& input, const std::filesystem::p
 ///
 /// inputs    as for ingest, resampled to the database's grid; a void does not replace data
 /// database  if it is a symbolic link, the file that it leads to is replaced; owner and mode stay
-/// options   void_weight, error_kind and error_metric are ignored; overwrite: replace an unfinished file; resume: an
+/// options   void_weight and error_metric are ignored; overwrite: replace an unfinished file; resume: an
 ///           interrupted update always starts again
 /// fails     as ingest; not_found; corrupt: the database, of which every byte is checked; unsupported: it did not keep
 ///           all samples; io: another program replaced it meanwhile. `database` does not change

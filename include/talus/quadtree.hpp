@@ -115,7 +115,7 @@ struct RestrictedQuadtree {
   std::vector<std::uint8_t> covers;
   Metres tolerance;  ///< as asked
   /// No valid sample under the surface is farther from it, in the direction of Description::error_metric. It is at most
-  /// `tolerance`, plus some nanometres where heights are not binary fractions. Infinite for ErrorKind::midpoint.
+  /// `tolerance`, plus some nanometres where heights are not binary fractions.
   Metres bound;
   Origin origin;
   /// The largest error in metres of the vertices of one spacing, without those that the border needs; by log2 of the

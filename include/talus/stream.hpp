@@ -22,15 +22,7 @@ struct Stream {
   std::variant<RestrictedQuadtree, Increment> content;
 };
 
-/// How a stream is coded. The content is the same.
-enum class StreamProfile {
-  fast,      ///< bits and packed groups of residuals: the fastest to read
-  balanced,  ///< tables of probabilities: about a fifth smaller
-  small      ///< models that learn: the smallest, and slow
-};
-
 struct StreamOptions {
-  StreamProfile profile = StreamProfile::balanced;
   int threads = 0;  ///< 0: one a core. The bytes do not depend on it
   /// Stripes of each level, which different threads can read at once. A stripe costs some bytes. 0: one for each 65,536
   /// vertices.
@@ -58,8 +50,8 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
 /// Reads a stream. The result equals what was written, bit for bit.
 ///
 /// base     the same as for write_stream
-/// fails    not_found, io; corrupt, with the position in bytes; unsupported: another version, or more than the limits
-///          allow; invalid_argument: an increment without its base
+/// fails    not_found, io; corrupt, with the position in bytes; unsupported: another version or coding, errors that are
+///          not exact, or more than the limits allow; invalid_argument: an increment without its base
 [[nodiscard]] Stream read_stream(const std::filesystem::path& file, const StreamLimits& limits = {},
                                  const RestrictedQuadtree* base = nullptr, int threads = 0);
 
@@ -108,7 +100,6 @@ struct StreamInfo {
   Origin origin;
   bool is_increment = false;
   Metres from, tolerance, bound;  ///< `from` is for increments
-  StreamProfile profile = StreamProfile::balanced;
   std::uint64_t vertices = 0, bytes = 0, header_bytes = 0;
   std::vector<StreamPart> parts;
 };

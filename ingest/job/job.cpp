@@ -64,8 +64,7 @@ struct TileMemory {
 };
 
 ErrorRule rule_of(const Job& job) {
-  return {job.description.error_kind, job.description.error_metric,
-          [&job](std::int32_t row) { return job.ground.cell(row); }};
+  return {job.description.error_metric, [&job](std::int32_t row) { return job.ground.cell(row); }};
 }
 
 TilePages settle_tile(const Job& job, TileId id, const Window& panel, TileMemory& memory) {
@@ -240,24 +239,10 @@ void require_sense(const IngestOptions& options) {
     throw Failure(Cause::invalid_argument,
                   fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
   }
-  if (options.error_kind == ErrorKind::midpoint && !options.no_guarantee) {
-    throw Failure(
-        Cause::invalid_argument,
-        "midpoint errors bound nothing: samples may lie any distance beyond the tolerance. Take exact errors, or say "
-        "that no answer of this database needs to keep its bound (IngestOptions::no_guarantee)");
-  }
-  if (options.error_kind == ErrorKind::nested && options.error_metric == ErrorMetric::perpendicular) {
-    throw Failure(
-        Cause::invalid_argument,
-        "nested errors are sums along the vertical, which bound no perpendicular distance: the perpendicular metric "
-        "goes with exact errors, or with midpoint ones, which bound nothing");
-  }
-  if (options.finest_tolerance.value > 0 &&
-      (options.error_kind == ErrorKind::midpoint || options.error_metric == ErrorMetric::perpendicular)) {
-    throw Failure(
-        Cause::invalid_argument,
-        "a finest tolerance leaves out heights that vertical errors vouch for: it goes with exact and nested errors "
-        "along the vertical");
+  if (options.finest_tolerance.value > 0 && options.error_metric != ErrorMetric::vertical) {
+    throw Failure(Cause::invalid_argument,
+                  "a finest tolerance leaves out heights that vertical errors vouch for: it does not go with the "
+                  "perpendicular metric");
   }
   const double coarsest = 1e6;
   if (!(options.finest_tolerance.value >= 0) || options.finest_tolerance.value > coarsest) {

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/error/error_rule.hpp"
 #include "engine/page/manifest.hpp"
 
 namespace talus {
@@ -20,8 +19,6 @@ std::string typed(const IngestOptions& options) {
   std::string text;
   if (options.finest_tolerance.value != 0)
     text += fmt::format(", IngestOptions::finest_tolerance {}", options.finest_tolerance.value);
-  if (options.error_kind != ErrorKind::exact)
-    text += fmt::format(", IngestOptions::error_kind {}", name_of(options.error_kind));
   if (options.error_metric != ErrorMetric::vertical)
     text += fmt::format(", IngestOptions::error_metric {}", name_of(options.error_metric));
   if (options.void_weight != 1) text += fmt::format(", IngestOptions::void_weight {}", options.void_weight);

@@ -28,12 +28,9 @@ std::optional<double> steps_in(const Description& d, Metres quantum) {
 }
 
 void require_quantum(const Description& d, Metres quantum) {
-  if (!d.has_vertical_bound()) {
-    refuse(fmt::format(
-        "rounded heights need errors that bound distances along the vertical, this database has {} {} ones: ask "
-        "for exact heights",
-        name_of(d.error_metric), name_of(d.error_kind)));
-  }
+  if (d.error_metric != ErrorMetric::vertical)
+    refuse(
+        "rounded heights need errors along the vertical, this database has perpendicular ones: ask for exact heights");
   if (!(quantum.value > 0) || !std::isfinite(quantum.value))
     refuse(fmt::format("quantum {} m: expected a number of metres above 0", quantum.value));
   // Larger multiples are no whole numbers in doubles, nor in streams.

@@ -32,7 +32,6 @@ std::int32_t largest_eighths_within(double largest_distance) {
   return largest_distance < kMost / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMost;
 }
 
-/// What their errors say, whether that bounds anything or not.
 double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
   const Description& d = pages.manifest().description;
   double metres = std::max(error_of(absent.code), d.kept_above());
@@ -75,8 +74,6 @@ std::vector<double> LargestByLevel::metres(const StoredPages& pages) const {
 }
 
 Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
-  if (pages.manifest().description.error_kind == ErrorKind::midpoint)
-    return Metres{std::numeric_limits<double>::infinity()};
   return Metres{error_of_absent(pages, absent, tolerance_m)};
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -152,7 +151,6 @@ std::optional<double> Surface::height(const Triangle& root, Place p) {
 double Surface::bound() const {
   // As of an answer, but for what the vertices that are absent happen to reach.
   const Description& d = pages_.manifest().description;
-  if (d.error_kind == ErrorKind::midpoint) return std::numeric_limits<double>::infinity();
   constexpr double kDecimalRounding = 1e-9;
   const bool heights_are_exact = pages_.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
   return tolerance_ + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);

@@ -46,8 +46,7 @@ struct Rules {
     return [this](const HalfDiamond& t) { return ground.longest_side(t.a, t.b, t.apex).value; };
   }
   [[nodiscard]] ErrorRule rule() const {
-    return {manifest.description.error_kind, manifest.description.error_metric,
-            [this](std::int32_t row) { return ground.cell(row); }};
+    return {manifest.description.error_metric, [this](std::int32_t row) { return ground.cell(row); }};
   }
 
   const Manifest& manifest;

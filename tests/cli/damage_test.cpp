@@ -262,7 +262,7 @@ TEST_F(Command, AnInterruptedIngestIsNeitherLostNorMixedUpWithAnother) {
   expect_refusal(talus({"ingest", "big.tif", "big.talus"}), {usage}, {"big.talus.part", "--resume", "--overwrite"});
   expect_refusal(talus({"ingest", "big.tif", "big.talus", "--resume", "--void-weight", "2"}), {usage},
                  {"big.talus.part", "options"});
-  expect_refusal(talus({"ingest", "big.tif", "big.talus", "--resume", "--error", "nested"}), {usage},
+  expect_refusal(talus({"ingest", "big.tif", "big.talus", "--resume", "--metric", "perpendicular"}), {usage},
                  {"big.talus.part", "options"});
   EXPECT_EQ(contents(), before);
   EXPECT_EQ(talus({"ingest", "big.tif", "big.talus", "--overwrite"}).exit_code, done);

@@ -630,6 +630,7 @@ class Database:
         layout, step = m["layout"], m["step"]
         self.children, self.side, self.bands = 2 ** layout["band_levels"], layout["page_side"], layout["bands"]
         self.extent = m["extent"]
+        require(m["errors"]["kind"] == "exact" and m["errors"]["metric"] in ("vertical", "perpendicular"), "other errors")
         self.lossy = m["errors"]["lossy_bound"]
         self.kept_above = max(m["errors"].get("finest_tolerance", 0.0) - self.lossy, 0.0)
         self.root = 1

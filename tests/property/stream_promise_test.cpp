@@ -1,5 +1,5 @@
 // What a reader of a stream gets: the answer bit for bit, its surface within the tolerance, and each of its prefixes
-// within the bound that it states. For random rasters, regions, tolerances, profiles and heights, and for real terrain.
+// within the bound that it states. For random rasters, regions, tolerances and heights, and for real terrain.
 //
 // TALUS_PROPERTY_CASES=20000 tries 2,000 rasters with nine streams each.
 
@@ -113,13 +113,8 @@ TEST_P(StreamPromise, HoldsOnTheOtherSideOfTheWire) {
       SCOPED_TRACE("heights " + std::to_string(static_cast<int>(heights)));
       const RestrictedQuadtree answer = asked(now, region, tolerance, heights, quantum).quadtree;
       EXPECT_LE(answer.bound.value, tolerance.value + 1e-8);
-      for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
-        StreamOptions options;
-        options.profile = profile;
-        options.stripes = random.between(0, 3);
-        expect_stream(c, answer, options, profile == StreamProfile::balanced);
-        if (HasFailure()) return;
-      }
+      expect_stream(c, answer, {.stripes = random.between(0, 3)}, true);
+      if (HasFailure()) return;
     }
     if (property_seed()) break;
   }
@@ -332,12 +327,8 @@ TEST_P(StreamsOfRealModels, KeepThePromise) {
     const RestrictedQuadtree exact = now.ask({.region = extent, .tolerance = Metres{tolerance}}).quadtree;
     const RestrictedQuadtree bounded =
         now.ask({.region = extent, .tolerance = Metres{tolerance}, .heights = {.kind = HeightKind::bounded}}).quadtree;
-    for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
-      StreamOptions options;
-      options.profile = profile;
-      expect_stream(c, exact, options, false);
-      expect_stream(c, bounded, options, profile == StreamProfile::balanced && tolerance == 5);
-    }
+    expect_stream(c, exact, {}, false);
+    expect_stream(c, bounded, {}, tolerance == 5);
     std::printf("%s at %g m: %zu vertices, bounded %zu\n", GetParam(), tolerance, exact.vertices.size(),
                 bounded.vertices.size());
     EXPECT_LE(static_cast<double>(bounded.vertices.size()), 1.15 * static_cast<double>(exact.vertices.size()));

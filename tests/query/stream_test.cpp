@@ -57,18 +57,15 @@ TEST(Streams, AreReadBackBitForBit) {
     EXPECT_EQ(increment_back.from, from);
     EXPECT_EQ(difference(merge(answer_back, increment_back), now.ask({.region = region, .tolerance = to}).quadtree),
               "");
-    for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::small}) {
-      StreamOptions options;
-      options.profile = profile;
-      options.stripes = 1 + static_cast<int>(seed % 4);
-      options.threads = 2;
-      const Bytes other = encode({now.description(), answer}, options);
-      ASSERT_EQ(difference(std::get<RestrictedQuadtree>(decode_stream(other, {}, nullptr, 2).content), answer), "");
-      options.threads = 1;
-      EXPECT_TRUE(encode({now.description(), answer}, options) == other) << "threads change nothing";
-      const Bytes more = encode({now.description(), increment}, options, &answer);
-      ASSERT_EQ(difference(std::get<Increment>(decode_stream(more, {}, &answer).content).added, increment.added), "");
-    }
+    StreamOptions options;
+    options.stripes = 1 + static_cast<int>(seed % 4);
+    options.threads = 2;
+    const Bytes other = encode({now.description(), answer}, options);
+    ASSERT_EQ(difference(std::get<RestrictedQuadtree>(decode_stream(other, {}, nullptr, 2).content), answer), "");
+    options.threads = 1;
+    EXPECT_TRUE(encode({now.description(), answer}, options) == other) << "threads change nothing";
+    const Bytes more = encode({now.description(), increment}, options, &answer);
+    ASSERT_EQ(difference(std::get<Increment>(decode_stream(more, {}, &answer).content).added, increment.added), "");
     StreamDecoder slowly;
     for (std::size_t at = 0; at < first.size();) {
       const auto count = std::min(first.size() - at, static_cast<std::size_t>(random.between(1, 300)));
@@ -159,10 +156,8 @@ std::vector<Example> examples() {
   const RestrictedQuadtree base = now.ask({.region = region, .tolerance = Metres{10}}).quadtree,
                            finer = now.ask({.region = region, .tolerance = Metres{3}}).quadtree;
   std::vector<Example> made_of;
-  for (const StreamProfile profile : {StreamProfile::balanced, StreamProfile::fast, StreamProfile::small}) {
-    StreamOptions options;
-    options.profile = profile;
-    options.stripes = profile == StreamProfile::fast ? 2 : 1;
+  for (const int stripes : {1, 2}) {
+    const StreamOptions options{.stripes = stripes};
     made_of.push_back({encode({now.description(), finer}, options), std::nullopt, options});
     made_of.push_back({encode({now.description(),
                                increment_of(now.ask({.region = region, .tolerance = Metres{3}, .from = Metres{10}}))},
@@ -271,6 +266,24 @@ TEST(Streams, OfAnotherVersionAreNotDamaged) {
     EXPECT_EQ(f.cause(), Cause::unsupported);
     EXPECT_THAT(f.what(), ::testing::HasSubstr("version 2"));
   }
+}
+
+TEST(Streams, OfErrorsAndCodingsOfEarlierVersionsAreNotDamaged) {
+  const auto refused_with = [](std::size_t at, unsigned bits, const char* named) {
+    Bytes bytes = examples().front().bytes;
+    bytes[at] = (at == 232 ? std::byte{0} : bytes[at]) | static_cast<std::byte>(bits);
+    reseal(bytes);
+    try {
+      static_cast<void>(stream_info(bytes));
+      ADD_FAILURE() << named;
+    } catch (const Failure& f) {
+      EXPECT_EQ(f.cause(), Cause::unsupported) << f.what();
+      EXPECT_THAT(f.what(), ::testing::HasSubstr(named));
+    }
+  };
+  refused_with(16, 128, "nested or midpoint errors");
+  refused_with(17, 1, "nested or midpoint errors");
+  for (const unsigned coding : {0u, 2u, 3u}) refused_with(232, coding, "reads coding 1 only");
 }
 
 TEST(Streams, WithALargerMaskThanAllowedAreRefusedBeforeItIsMade) {

@@ -315,7 +315,6 @@ TEST_F(ForgedDatabase, AHeaderThatSaysSomethingElseIsFound) {
       {"offset", [](Manifest& m) { m.description.step.offset = 1; }},
       {"unit", [](Manifest& m) { m.description.metres_per_unit = 0.3048; }},
       {"void weight", [](Manifest& m) { m.description.void_weight = 0.5; }},
-      {"kind", [](Manifest& m) { m.description.error_kind = ErrorKind::midpoint; }},
       {"metric", [](Manifest& m) { m.description.error_metric = ErrorMetric::perpendicular; }},
       {"cells", [](Manifest& m) { m.description.mapping.dx = 20; }},
       {"generation", [](Manifest& m) { m.generation = 4; }},

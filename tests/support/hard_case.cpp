@@ -277,15 +277,11 @@ void HardDatabase::check_neighbours(double tolerance) const {
 }
 
 Mesh HardDatabase::streamed(const RestrictedQuadtree& answer) const {
-  RestrictedQuadtree read;
-  for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
-    const Stream stream{now().description(), answer};
-    const auto back = without_float_exceptions(
-        [&] { return decode_stream(encode(stream, {.profile = profile, .stripes = 2}), {}, nullptr, 2).content; },
-        kWatchedOfStreams);
-    read = std::get<RestrictedQuadtree>(back);
-    EXPECT_EQ(difference(read, answer), "");
-  }
+  const Stream stream{now().description(), answer};
+  const auto back = without_float_exceptions(
+      [&] { return decode_stream(encode(stream, {.stripes = 2}), {}, nullptr, 2).content; }, kWatchedOfStreams);
+  const auto& read = std::get<RestrictedQuadtree>(back);
+  EXPECT_EQ(difference(read, answer), "");
   Mesh mesh = triangulate(read);
   OracleOptions judging = hard_.judging;
   judging.heights_are_source = answer.origin.quantum.value == 0;
@@ -305,18 +301,13 @@ void HardDatabase::check_streams(double tolerance) const {
     if (!(to < from)) continue;
     const RestrictedQuadtree answer = now().ask({.region = extent(), .tolerance = Metres{to}}).quadtree;
     const Increment more = increment_of(now().ask({.region = extent(), .tolerance = Metres{to}, .from = Metres{from}}));
-    for (const StreamProfile profile : {StreamProfile::fast, StreamProfile::balanced, StreamProfile::small}) {
-      const auto back = [&](const Stream& stream, const RestrictedQuadtree* base) {
-        return without_float_exceptions(
-            [&] {
-              return decode_stream(encode(stream, {.profile = profile, .stripes = 2}, base), {}, base, 2).content;
-            },
-            kWatchedOfStreams);
-      };
-      EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back({now().description(), answer}, nullptr)), answer), "");
-      const Increment read = std::get<Increment>(back({now().description(), more}, &client));
-      EXPECT_EQ(difference(merge(client, read), answer), "");
-    }
+    const auto back = [&](const Stream& stream, const RestrictedQuadtree* base) {
+      return without_float_exceptions(
+          [&] { return decode_stream(encode(stream, {.stripes = 2}, base), {}, base, 2).content; }, kWatchedOfStreams);
+    };
+    EXPECT_EQ(difference(std::get<RestrictedQuadtree>(back({now().description(), answer}, nullptr)), answer), "");
+    const Increment read = std::get<Increment>(back({now().description(), more}, &client));
+    EXPECT_EQ(difference(merge(client, read), answer), "");
     client = answer, from = to;
   }
 }

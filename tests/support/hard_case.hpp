@@ -29,7 +29,7 @@ class HardDatabase {
 
   /// Everything below, and: samples bit for bit, verify() without a finding, an error reached is a tolerance
   /// itself and so is one ulp to either side, tighter tolerances have all vertices of looser ones, parts that share a
-  /// side meet, streams of every profile and increments give answers back bit for bit, every kernel this CPU has and
+  /// side meet, streams and increments give answers back bit for bit, every kernel this CPU has and
   /// one or two threads give the same answers, all without a float exception. Failures are those of the running test.
   void hold_to_the_promise() const;
 
@@ -37,7 +37,7 @@ class HardDatabase {
   [[nodiscard]] Mesh judged(GridRect region, double tolerance) const;
   [[nodiscard]] Mesh judged(double tolerance) const { return judged(extent(), tolerance); }
 
-  /// An answer of the whole raster as a client gets it: the same bit for bit from a stream of every profile. Its mesh,
+  /// An answer of the whole raster as a client gets it: the same bit for bit from a stream. Its mesh,
   /// held against every sample; rounded heights may differ from the source's.
   [[nodiscard]] Mesh streamed(const RestrictedQuadtree& answer) const;
 
