@@ -5,31 +5,23 @@
 #include <variant>
 
 #include "engine/machine/large_memory.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 
 namespace talus {
 namespace {
 
-GridRect cut_to(GridRect r, GridRect extent) {
-  return {{std::max(r.first.col, extent.first.col), std::max(r.first.row, extent.first.row)},
-          {std::min(r.last.col, extent.last.col), std::min(r.last.row, extent.last.row)}};
-}
-
-std::size_t index(GridRect region, GridPoint p) {
-  return static_cast<std::size_t>((std::int64_t{p.row} - region.first.row) * region.cols() +
-                                  (std::int64_t{p.col} - region.first.col));
-}
-
-/// Copies a rectangle that lies in both.
+/// Copies a rectangle that lies in both regions.
 template <class T>
 void copy(const std::vector<T>& from, GridRect from_region, std::vector<T>& to, GridRect to_region, GridRect part) {
   const auto cols = static_cast<std::ptrdiff_t>(part.cols());
   for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-    const auto start = from.begin() + static_cast<std::ptrdiff_t>(index(from_region, {part.first.col, row}));
-    std::copy(start, start + cols, to.begin() + static_cast<std::ptrdiff_t>(index(to_region, {part.first.col, row})));
+    const auto start = from.begin() + static_cast<std::ptrdiff_t>(index_in(from_region, {part.first.col, row}));
+    std::copy(start, start + cols,
+              to.begin() + static_cast<std::ptrdiff_t>(index_in(to_region, {part.first.col, row})));
   }
 }
 
-/// `to` has room for voids if `from` has any.
+/// Copies a rectangle. If `from` has a mask, `to` must have one.
 void copy(const Window& from, Window& to, GridRect part) {
   std::visit(
       [&](auto& codes) {
@@ -41,12 +33,12 @@ void copy(const Window& from, Window& to, GridRect part) {
   } else if (!to.valid.empty()) {
     const auto cols = static_cast<std::size_t>(part.cols());
     for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-      std::fill_n(to.valid.begin() + static_cast<std::ptrdiff_t>(index(to.region, {part.first.col, row})), cols, 1);
+      std::fill_n(to.valid.begin() + static_cast<std::ptrdiff_t>(index_in(to.region, {part.first.col, row})), cols, 1);
     }
   }
 }
 
-/// Makes a window one of another's kind of codes. `masked`: with room for voids. What it holds is anything.
+/// Sets a window's region and the kind of its codes; `masked`: with a mask. The content is arbitrary.
 void prepare(Window& window, const Window& other, GridRect region, bool masked) {
   window.region = region;
   const auto n = static_cast<std::size_t>(region.samples());
@@ -79,7 +71,7 @@ std::vector<Panel> panels_of(GridRect extent, std::int32_t tiles_across) {
       const GridRect square{{west * kTileSide, y * kTileSide}, {(east + 1) * kTileSide - 1, (y + 1) * kTileSide - 1}};
       panel.first_col = std::max(square.first.col, extent.first.col);
       panel.last_col = std::min(square.last.col, extent.last.col);
-      panel.window = cut_to(
+      panel.window = common(
           {{square.first.col - kHalo, square.first.row - kHalo}, {square.last.col + kHalo, square.last.row + kHalo}},
           extent);
       panels.push_back(std::move(panel));
@@ -111,7 +103,8 @@ const Window& PanelReader::read(const Panel& panel) {
     window.region = {{0, 0}, {-1, -1}};
     return window;
   }
-  const auto own = [&](GridRect part) {  // row by row once, without the columns of panels beside
+  // Each row belongs to one window only, and so do the columns of neighbouring panels.
+  const auto own = [&](GridRect part) {
     return GridRect{{panel.first_col, part.first.row}, {panel.last_col, part.last.row}};
   };
   const bool shares = before.region.first.col == w.first.col && before.region.last.col == w.last.col &&
