@@ -11,7 +11,7 @@ namespace talus {
 
 CompactReport compact(const std::filesystem::path& database) {
   const auto started = std::chrono::steady_clock::now();
-  static_cast<void>(PageStore::open(followed(database)));  // who names no database is told so before a file is made
+  static_cast<void>(PageStore::open(followed(database)));  // refuses a missing database before any file is made
   PartFile part(database, true, PartFile::Left::refuse);
   require_sound_file(part.target());
   CompactReport report;
@@ -21,7 +21,7 @@ CompactReport compact(const std::filesystem::path& database) {
   if (report.bytes < report.bytes_before) {
     part.publish();
   } else {
-    report.bytes = report.bytes_before;  // nothing to gain: it stays as it is
+    report.bytes = report.bytes_before;  // nothing to gain: the file stays
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return report;

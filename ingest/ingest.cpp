@@ -15,8 +15,8 @@
 namespace talus {
 namespace {
 
-/// Of a database that was finished and lacked only its seal or its name when the ingest was cut short: its plan is
-/// gone, but it says what it was made from.
+/// Whether a finished database has these inputs and options. An interrupted ingest may leave one without its seal or
+/// its name. Its plan is gone, but its provenance remains.
 bool was_made_of(const Provenance& made, const Source& source, const InputFiles& files, const IngestOptions& options) {
   if (made.made_by != made_by(options) || made.sources.size() != source.inputs().size()) return false;
   for (std::size_t i = 0; i < made.sources.size(); ++i) {
@@ -32,10 +32,10 @@ std::string obstacle(const LeftWork& left, const std::string& plan, const Source
                      const IngestOptions& options) {
   if (left.kind == LeftWork::Kind::ingest) return difference_of(left.plan, plan);
   if (left.kind != LeftWork::Kind::finished) return "";
-  return was_made_of(*left.made, source, files, options) ? "" : "it was finished with other inputs or options";
+  return was_made_of(*left.made, source, files, options) ? "" : "it was made with other inputs or options";
 }
 
-/// Holds what was left against what is to be done.
+/// Refuses to resume work of another plan.
 void require_same_work(const LeftWork& left, const std::string& plan, const Source& source, const InputFiles& files,
                        const IngestOptions& options, const std::filesystem::path& part) {
   const std::string why = obstacle(left, plan, source, files, options);
@@ -47,22 +47,27 @@ void require_same_work(const LeftWork& left, const std::string& plan, const Sour
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-/// Whether there is work to go on with: tiles, or a file that lacks its seal or its name only.
+/// Whether there is work to resume: tiles, or a finished file without its seal or its name.
 bool holds_tiles(PageWriter& writer) {
   return writer.is_finished() || writer.committed().summary(kRecordTable).pages > 0;
 }
 
-IngestReport ingest_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
-                        const IngestOptions& options) {
-  const Source source(inputs, options.inputs);
+/// The job of making a new database from a source.
+Job job_of(const Source& source, const IngestOptions& options) {
   Description description = source.description();
   description.void_weight = options.void_weight;
   description.lossy_metres = options.inputs.height_step.value / 2;
   description.finest_tolerance = options.finest_tolerance.value;
   description.error_metric = options.error_metric;
-  Job job = job_of(
+  return job_of(
       description, code_bytes(code_kind(source.description())), source.block_bytes(),
-      [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
+      [&source](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
+}
+
+IngestReport ingest_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
+                        const IngestOptions& options) {
+  const Source source(inputs, options.inputs);
+  Job job = job_of(source, options);
   const auto left = options.resume      ? PartFile::Left::resume
                     : options.overwrite ? PartFile::Left::replace
                                         : PartFile::Left::refuse;
@@ -73,11 +78,11 @@ IngestReport ingest_all(const std::vector<std::filesystem::path>& inputs, const 
   const std::string plan = plan_of(source, files, job.description, options);
   if (part.left()) {
     require_same_work(left_before, plan, source, files, options, part.path());
-    verify_left_work(part.path(), job.description, [&] { tell_of(job, "checking what was left"); });
+    verify_left_work(part.path(), job.description, [&] { tell_of(job, "checking the interrupted work"); });
   }
   job.files = &files;
   std::optional<PageWriter> writer(std::in_place, part.path());
-  // with the first tiles
+  // The plan is committed together with the first tiles.
   if (left_before.kind != LeftWork::Kind::finished) writer->put({kHeaderTable, kPlanPosition}, bytes_of(plan));
   IngestReport report;
   try {
@@ -85,10 +90,10 @@ IngestReport ingest_all(const std::vector<std::filesystem::path>& inputs, const 
     provenance.made_by = made_by(options);
     report = run(job, source, std::move(provenance), *writer);
   } catch (const Failure& f) {
-    if (files.is_changed()) part.keep(false);  // some tiles may be of the old files and some of the new
+    if (files.is_changed()) part.keep(false);  // tiles may mix old and new content
     if (f.cause() == Cause::full && holds_tiles(*writer)) part.keep();
     throw;
-  } catch (...) {  // interrupted: what is done is worth keeping
+  } catch (...) {  // interrupted: finished tiles are kept
     if (!writer->is_finished()) writer->commit(true);
     if (holds_tiles(*writer)) part.keep();
     throw;
@@ -103,16 +108,9 @@ IngestEstimate estimate_all(const std::vector<std::filesystem::path>& inputs, co
                             const IngestOptions& options) {
   require_target(database, options.overwrite, 0);
   const Source source(inputs, options.inputs);
-  Description description = source.description();
-  description.void_weight = options.void_weight;
-  description.lossy_metres = options.inputs.height_step.value / 2;
-  description.finest_tolerance = options.finest_tolerance.value;
-  description.error_metric = options.error_metric;
-  const Job job = job_of(
-      description, code_bytes(code_kind(source.description())), source.block_bytes(),
-      [&](Window& into, GridRect part, GridRect own) { source.read_into(into, part, own); }, options);
+  const Job job = job_of(source, options);
   IngestEstimate sum =
-      estimate(job, source, [&](TileId id) { return source.touches(tile_window(id, description.extent)); });
+      estimate(job, source, [&](TileId id) { return source.touches(tile_window(id, job.description.extent)); });
   require_target(database, options.overwrite, sum.bytes);
   return sum;
 }

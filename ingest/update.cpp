@@ -11,12 +11,13 @@
 #include "ingest/job/part_file.hpp"
 #include "ingest/job/plan.hpp"
 #include "ingest/job/sound_file.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 #include "ingest/mosaic/input_files.hpp"
 
 namespace talus {
 namespace {
 
-/// The new samples over the old ones; what is void in the new does not cover.
+/// The samples after the update: the new ones, and the old ones where the new ones are void.
 Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t kind, GridRect part) {
   Window window{part, codes_of_kind(kind, static_cast<std::size_t>(part.samples())), {}};
   window.valid.assign(static_cast<std::size_t>(part.samples()), 0);
@@ -25,12 +26,12 @@ Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t
     const Window read = source.read(fresh);
     for (std::int32_t row = fresh.first.row; row <= fresh.last.row; ++row) {
       for (std::int32_t col = fresh.first.col; col <= fresh.last.col; ++col) {
-        const auto in = [&](GridRect r) { return index_in(r, {col, row}); };
-        if (!read.valid.empty() && !read.valid[in(fresh)]) continue;
-        window.valid[in(part)] = 1;
+        const std::size_t from = index_in(fresh, {col, row}), to = index_in(part, {col, row});
+        if (!read.valid.empty() && !read.valid[from]) continue;
+        window.valid[to] = 1;
         std::visit(
-            [&](auto& to, const auto& from) {
-              to[in(part)] = static_cast<typename std::remove_reference_t<decltype(to)>::value_type>(from[in(fresh)]);
+            [&](auto& codes, const auto& read_codes) {
+              codes[to] = static_cast<typename std::remove_reference_t<decltype(codes)>::value_type>(read_codes[from]);
             },
             window.codes, read.codes);
       }
@@ -43,22 +44,23 @@ Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t
 
 void require_same_heights(const Description& base, const Description& fresh) {
   if (base.step == fresh.step && base.metres_per_unit == fresh.metres_per_unit) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{}: heights in {} of {}; the database has {} of {}: convert the new data first "
-                            "(gdal_translate -scale or -unscale)",
-                            fresh.source_name, fresh.step.scale / fresh.step.divisor, fresh.vertical_unit,
-                            base.step.scale / base.step.divisor, base.vertical_unit));
+  throw Failure(
+      Cause::unsupported,
+      fmt::format("{}: one unit of its numbers is {} {}, one unit of the database's is {} {}. Convert the new "
+                  "data first (gdal_translate -scale or -unscale)",
+                  fresh.source_name, fresh.step.scale / fresh.step.divisor, fresh.vertical_unit,
+                  base.step.scale / base.step.divisor, base.vertical_unit));
 }
 
 void require_all_samples(const Description& base, const std::filesystem::path& database) {
   if (base.finest_tolerance == 0) return;
   throw Failure(Cause::unsupported,
-                fmt::format("{}: keeps only the vertices of answers at {} m and more; beside new data errors "
-                            "would be those of what is left: ingest the sources anew",
+                fmt::format("{}: keeps only the vertices for tolerances of {} m and more, so errors beside new data "
+                            "cannot be computed. Ingest all sources again",
                             database.string(), base.finest_tolerance));
 }
 
-/// A database, what is put into it, and what that changes.
+/// A database, its new inputs, and what they change.
 struct Updating {
   Updating(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
            const IngestOptions& asked)
@@ -84,7 +86,7 @@ struct Updating {
     const GridRect window = tile_window(id, description.extent);
     return changes.touches(window) || !(window == tile_window(id, before.extent));
   }
-  /// Finds out what changes; a pass over the new samples and the old ones beneath them.
+  /// Finds what changes. Reads the new samples and the old ones under them.
   void compare(const Job& job) {
     const RasterCache cache(job.budget.gdal_cache_bytes);
     changes =
@@ -108,31 +110,29 @@ struct Updating {
     options.void_weight = before.void_weight;
     options.error_metric = before.error_metric;
     options.inputs.grid = grid_of(before);
-    options.inputs.height_step = Metres{2 * before.lossy_metres};  // rounded as the rest
+    options.inputs.height_step = Metres{2 * before.lossy_metres};
     return options;
   }
 };
 
-/// Rasters that come later were not there to be laid together with the first.
+/// Resampled rasters of an update were not interpolated together with the first ones.
 void add_note_of_joints(const Source& source, std::vector<std::string>& notes) {
   const auto& inputs = source.inputs();
   if (std::none_of(inputs.begin(), inputs.end(), [](const InputFile& input) { return input.is_resampled; })) return;
   notes.push_back(
-      "the new rasters were resampled apart from those that the database holds, so heights beside the joint are "
-      "interpolated "
-      "from one side only; an ingest of all rasters together interpolates across it");
+      "the new rasters were resampled without their neighbours in the database: beside the joint, heights are "
+      "interpolated from one side only. Ingest all rasters together to interpolate across it");
 }
 
 IngestReport update_all(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                         const IngestOptions& asked) {
   const auto started = std::chrono::steady_clock::now();
-  static_cast<void>(PageStore::open(followed(database)));  // who names no database is told so before a file is made
-  // Nobody else writes from here on. Readers keep the file they have; the new one takes its name at the end, in one
-  // step.
+  static_cast<void>(PageStore::open(followed(database)));  // refuses a missing database before any file is made
+  // From here on no other process writes. Readers keep their file; the new one takes the name at the end.
   PartFile part(database, true, asked.overwrite ? PartFile::Left::replace : PartFile::Left::refuse);
   require_sound_file(part.target());
   Updating work(inputs, part.target(), asked);
-  part.require_database_unchanged();  // it is the one that was checked
+  part.require_database_unchanged();  // it was checked in this state
   Job job = work.job();
   const auto tell = [&] { tell_of(job, "checksums of the inputs"); };
   InputFiles files(work.source, {}, tell);
@@ -155,7 +155,7 @@ IngestReport update_all(const std::vector<std::filesystem::path>& inputs, const 
     PageWriter writer(part.path());
     const std::string plan = plan_of_update(database, work.source);
     writer.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)), now);
-    writer.commit(true);  // from now on the file says that it is no ingest
+    writer.commit(true);  // from now on the file is known as an update's
     report = run(job, work.source, std::move(provenance), writer);
     part.publish();
   }

@@ -87,7 +87,7 @@ struct Triangle {
   return (((t.left.col ^ t.right.col) | (t.left.row ^ t.right.row)) & 1) != 0;
 }
 
-/// The halves of a triangle that is split: on the side of its left corner, and of its right one.
+/// The halves of a split triangle: on the side of its left corner, and of its right corner.
 [[nodiscard]] constexpr Triangle left_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.left}; }
 [[nodiscard]] constexpr Triangle right_half(const Triangle& t) { return {midpoint(t.left, t.right), t.apex, t.right}; }
 

@@ -57,9 +57,9 @@ void require_whole_ascii_grid(const std::filesystem::path& file, const std::stri
       in_header = false;
       if (!is_number(word)) {
         throw Failure(Cause::unsupported,
-                      fmt::format("{} has \"{}\" where the number of column {}, row {} is expected; mend the file",
-                                  name, word.substr(0, 40), numbers % static_cast<std::uint64_t>(cols),
-                                  numbers / static_cast<std::uint64_t>(cols)),
+                      fmt::format("{}: column {}, row {} holds \"{}\", not a number. Correct the file", name,
+                                  numbers % static_cast<std::uint64_t>(cols),
+                                  numbers / static_cast<std::uint64_t>(cols), word.substr(0, 40)),
                       name);
       }
       ++numbers;
@@ -80,7 +80,7 @@ void require_whole_ascii_grid(const std::filesystem::path& file, const std::stri
   if (numbers == wanted) return;
   throw Failure(
       Cause::unsupported,
-      fmt::format("{} has {} numbers where {} rows of {} make {}: it is cut short, or a number is missing or too many",
+      fmt::format("{} has {} numbers, but {} rows of {} need {}: it is cut short, or has a number too few or too many",
                   name, numbers, rows, cols, wanted),
       name);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Owners of what GDAL hands out.
+// Owners of GDAL's objects.
 
 #include <memory>
 

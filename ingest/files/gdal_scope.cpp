@@ -33,12 +33,12 @@ void GdalScope::remember(CPLErr severity, CPLErrorNum, const char* words) {
   auto* buffer = static_cast<char*>(CPLGetErrorHandlerUserData());
   std::snprintf(buffer, std::tuple_size_v<decltype(words_)>, "%s", words);
   for (char* c = buffer; *c != '\0'; ++c) {
-    if (*c == '\n' || *c == '\r') *c = ' ';  // a failure is one line
+    if (*c == '\n' || *c == '\r') *c = ' ';  // a message is one line
   }
 }
 
 void quiet_hdf5() {
-  // GDAL brings the library, of whatever version it was built with, and no header of it is needed for one call.
+  // GDAL brings this library in any version. Declaring the one function avoids its header.
   using SetAuto = int (*)(std::int64_t stack, void* function, void* data);
   static const auto set_auto = reinterpret_cast<SetAuto>(::dlsym(RTLD_DEFAULT, "H5Eset_auto2"));
   if (set_auto != nullptr) set_auto(0, nullptr, nullptr);

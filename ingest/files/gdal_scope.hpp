@@ -1,5 +1,5 @@
 #pragma once
-// GDAL, kept to this thread and this scope.
+// GDAL's settings for one thread and one scope.
 
 #include <array>
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace talus {
 
-/// While one lives, GDAL on this thread is quiet and does not look around in folders; what the host
-/// had set returns at its end. The first one registers GDAL's drivers.
+/// While it lives, GDAL prints nothing on this thread and does not list folders; its end restores the host's settings.
+/// The first one registers GDAL's drivers.
 class GdalScope {
  public:
   GdalScope();
@@ -19,7 +19,7 @@ class GdalScope {
   GdalScope(const GdalScope&) = delete;
   GdalScope& operator=(const GdalScope&) = delete;
 
-  /// ": " and GDAL's own words for the last thing that failed in this scope; empty if it said nothing.
+  /// ": " and GDAL's message for the last failure in this scope; empty if there was none.
   [[nodiscard]] std::string reason() const;
 
  private:
@@ -28,7 +28,7 @@ class GdalScope {
     const char* value;
   };
   static constexpr std::array<Setting, 2> kSettings{{
-      {"GDAL_DISABLE_READDIR_ON_OPEN", "TRUE"},  // side files are asked for by name, never listed
+      {"GDAL_DISABLE_READDIR_ON_OPEN", "TRUE"},  // side files are found by name
       {"GDAL_VRT_ENABLE_PYTHON", "NO"},
   }};
   static void CPL_STDCALL remember(CPLErr severity, CPLErrorNum number, const char* words);
@@ -37,10 +37,10 @@ class GdalScope {
   std::array<char, 400> words_{};  // fixed: the handler runs inside C frames and must not throw
 };
 
-/// HDF5, which reads newer netCDF files, prints pages of what it looked for in vain: no more on this thread.
+/// Stops HDF5, which reads newer netCDF files, from printing its failures on this thread.
 void quiet_hdf5();
 
-/// While it lives, GDAL keeps at most so many bytes of decoded blocks; what the host had set returns.
+/// While it lives, GDAL's block cache holds at most `bytes`; its end restores the host's limit.
 class RasterCache {
  public:
   explicit RasterCache(std::uint64_t bytes);

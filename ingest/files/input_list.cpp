@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestLine = 64 << 10;  // bytes of a list's line
-constexpr std::size_t kMostFiles = 1'000'000;   // that one list names
+constexpr std::size_t kLongestLine = 64 << 10;  // most bytes in a line of a list
+constexpr std::size_t kMostFiles = 1'000'000;   // most files in a list
 
 std::string ending_of(const fs::path& file) {
   std::string ending = file.extension().string();
@@ -33,7 +33,7 @@ bool is_one_of(const std::string& ending, const std::array<std::string_view, N>&
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
-// Files GDAL opens beside a raster; some look like rasters themselves.
+// Files that belong to a raster beside them; some look like rasters.
 bool is_side_file(const fs::path& file) {
   constexpr std::array<std::string_view, 8> kEndings{".msk", ".ovr", ".aux", ".rrd", ".xml", ".hdr", ".prj", ".tfw"};
   return is_one_of(ending_of(file), kEndings);
@@ -46,7 +46,7 @@ bool is_packed(const fs::path& file) {
   return is_one_of(ending_of(file), kEndings);
 }
 
-/// Whether a name promises a raster: left out, it would be a hole.
+/// Whether the name is that of a raster. If such a file were left out, the answer would have a hole.
 bool is_called_raster(const fs::path& file) {
   constexpr std::array<std::string_view, 32> kEndings{
       ".tif", ".tiff", ".gtiff", ".vrt", ".hgt",  ".asc", ".agr",  ".grd", ".flt", ".bil", ".bip",
@@ -55,7 +55,7 @@ bool is_called_raster(const fs::path& file) {
   return is_one_of(ending_of(file), kEndings);
 }
 
-/// An archive that nobody has unpacked beside itself.
+/// An archive of a raster that is not unpacked beside it.
 bool is_packed_raster(const fs::path& file) {
   if (!is_packed(file)) return false;
   const fs::path inside = fs::path(file).replace_extension();
@@ -69,7 +69,7 @@ bool is_packed_raster(const fs::path& file) {
   return true;
 }
 
-/// Why a file that should be a raster is none; empty where it is one.
+/// Why a file with a raster's name cannot be read; empty if it can.
 std::string why_broken(const fs::path& file, const InputOptions& options) {
   if (is_packed_raster(file)) {
     return fmt::format("{} is an archive; unpack it first ({})", file.string(),
@@ -95,23 +95,21 @@ std::string some_of(const std::vector<std::string>& names) {
 
 struct Folder {
   std::vector<fs::path> rasters, virtuals, broken;
-  std::vector<std::string> others;  ///< files that promise nothing
-  std::size_t subfolders = 0;       ///< not looked into
+  std::vector<std::string> others;  ///< neither rasters nor named like one
+  std::size_t subfolders = 0;       ///< not searched
 };
 
 void require_inside(const fs::path& link, const fs::path& folder, const InputOptions& options) {
   if (may_lead_to(link, folder, options)) return;
   std::error_code error;
   const fs::path target = fs::weakly_canonical(link, error);
-  throw Failure(
-      Cause::unsupported,
-      fmt::format("{} is a link out of its folder, to {}; InputOptions::allow_outside names folders whose files may be "
-                  "read, such as {}",
-                  link.string(), target.string(), target.parent_path().string()),
-      link);
+  throw Failure(Cause::unsupported,
+                fmt::format("{} is a link to {}, outside its folder. To read it, add InputOptions::allow_outside {}",
+                            link.string(), target.string(), target.parent_path().string()),
+                link);
 }
 
-/// top  the folder that was named: links may lead anywhere below it
+/// top  the folder that was named; links may lead anywhere below it
 void look_into(const fs::path& folder, const fs::path& top, const InputOptions& options, Folder& found) {
   std::error_code error;
   std::vector<fs::path> entries;
@@ -147,17 +145,18 @@ void leave_out_broken(const Folder& found, const fs::path& folder, const InputOp
     const std::size_t more = found.broken.size() - 1;
     throw Failure(
         Cause::unsupported,
-        fmt::format(
-            "{}{}. InputOptions::skip_broken goes on without {}", why_broken(found.broken.front(), options),
-            more == 0 ? "" : fmt::format("; so {} {} more in {}", more == 1 ? "is" : "are", more, folder.string()),
-            more == 0 ? "it" : "them"),
+        fmt::format("{}{}. Leave {} out with InputOptions::skip_broken", why_broken(found.broken.front(), options),
+                    more == 0 ? "" : fmt::format("; {} more in {} cannot be read either", more, folder.string()),
+                    more == 0 ? "it" : "them"),
         found.broken.front());
   }
   for (const fs::path& file : found.broken) list.notes.push_back("left out: " + why_broken(file, options));
 }
 
 std::string subfolders(std::size_t count) {
-  return count == 1 ? "a subfolder is not looked into" : fmt::format("{} subfolders are not looked into", count);
+  return fmt::format("{} not searched; InputOptions::recursive searches {}",
+                     count == 1 ? "1 subfolder was" : fmt::format("{} subfolders were", count),
+                     count == 1 ? "it" : "them");
 }
 
 void add_folder(const fs::path& folder, const InputOptions& options, InputList& list) {
@@ -166,32 +165,25 @@ void add_folder(const fs::path& folder, const InputOptions& options, InputList& 
   leave_out_broken(found, folder, options, list);
   if (found.rasters.empty()) std::swap(found.rasters, found.virtuals);
   if (found.rasters.empty()) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format(
-            "there is no raster in folder {}{}", folder.string(),
-            found.subfolders == 0 ? "" : "; " + subfolders(found.subfolders) + ", InputOptions::recursive does"),
-        folder);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("there is no raster in folder {}{}", folder.string(),
+                              found.subfolders == 0 ? "" : "; " + subfolders(found.subfolders)),
+                  folder);
   }
   list.files.insert(list.files.end(), found.rasters.begin(), found.rasters.end());
 
   std::vector<std::string> left_out;
   for (const fs::path& file : found.virtuals) left_out.push_back(file.filename().string());
   if (!left_out.empty()) {
-    list.notes.push_back(
-        fmt::format("{}: of its rasters {} stay out, being virtual ones beside real ones; name one to take it",
-                    folder.string(), some_of(left_out)));
+    list.notes.push_back(fmt::format("{}: left out {}: virtual rasters beside other rasters. Name one to read it",
+                                     folder.string(), some_of(left_out)));
   }
   if (!found.others.empty()) {
-    list.notes.push_back(
-        fmt::format("{}: {} no raster Talus reads: {}", folder.string(),
-                    found.others.size() == 1 ? "one file is" : fmt::format("{} files are", found.others.size()),
-                    some_of(found.others)));
+    list.notes.push_back(fmt::format("{}: left out {} that Talus does not read: {}", folder.string(),
+                                     found.others.size() == 1 ? "1 file" : fmt::format("{} files", found.others.size()),
+                                     some_of(found.others)));
   }
-  if (found.subfolders > 0) {
-    list.notes.push_back(
-        fmt::format("{}: {}; InputOptions::recursive does that", folder.string(), subfolders(found.subfolders)));
-  }
+  if (found.subfolders > 0) list.notes.push_back(folder.string() + ": " + subfolders(found.subfolders));
 }
 
 void add(const fs::path& named, const InputOptions& options, InputList& list) {
@@ -205,7 +197,7 @@ void add(const fs::path& named, const InputOptions& options, InputList& list) {
 void add_list(const fs::path& file, const InputOptions& options, InputList& list) {
   Lines lines{file, "list", kLongestLine};
   const std::size_t before = list.files.size();
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // some editors begin a text with it
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // written by some editors
   bool is_first = true;
   for (std::string line; lines.next(line);) {
     if (is_first && (line.starts_with("\xff\xfe") || line.starts_with("\xfe\xff"))) {
@@ -219,9 +211,8 @@ void add_list(const fs::path& file, const InputOptions& options, InputList& list
     if (line.empty() || line.front() == '#') continue;
     if (line.front() == '@' || line.find('\0') != std::string::npos) {
       throw Failure(Cause::invalid_argument,
-                    fmt::format("list {} has the line {}: expected the name of a file or a "
-                                "folder",
-                                file.string(), line.substr(0, line.find('\0'))),
+                    fmt::format("list {} has the line {}: expected the name of a file or a folder", file.string(),
+                                line.substr(0, line.find('\0'))),
                     file);
     }
     if (list.files.size() - before >= kMostFiles) {
@@ -251,7 +242,7 @@ void keep_the_last_of_each(InputList& list) {
   }
   std::reverse(kept.begin(), kept.end());
   list.files = std::move(kept);
-  if (!twice.empty()) list.notes.push_back(fmt::format("named more than once, taken once: {}", some_of(twice)));
+  if (!twice.empty()) list.notes.push_back(fmt::format("named more than once, read once: {}", some_of(twice)));
 }
 
 }  // namespace

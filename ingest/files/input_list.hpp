@@ -1,5 +1,5 @@
 #pragma once
-// From what the command line names to files.
+// Turns the names on the command line into files.
 
 #include <filesystem>
 #include <string>
@@ -10,20 +10,21 @@
 namespace talus {
 
 struct InputList {
-  std::vector<std::filesystem::path> files;  ///< in the order they were named; those of a folder by name
-  std::vector<std::string> notes;            ///< what was left out
+  std::vector<std::filesystem::path> files;  ///< in the order named; within a folder by name
+  std::vector<std::string> notes;            ///< sentences about files that were left out
 };
 
-/// Files stand for themselves. A folder stands for the rasters directly in it, or with InputOptions::recursive for
-/// those in its subfolders, too; where it holds both rasters and virtual rasters, for the former, because the latter
-/// would bring the same data again. A file in a folder whose ending is that of a raster, and that cannot be opened, is
-/// a tile that would be missing: it is a failure, or left out and said so with InputOptions::skip_broken. So is a
-/// symbolic link out of the folder that InputOptions::allow_outside does not cover. "@list.txt" stands for the
-/// files and folders it names, one a line, relative to its own folder; lines that begin with # are comments. A file
-/// named twice counts where it is named last.
+/// Lists the files that names stand for.
 ///
-/// fails  not_found, io; unsupported: a tile that cannot be opened; invalid_argument: nothing named, a list or a folder
-///        with nothing in it
+/// - A file stands for itself. Named twice, it counts where it is named last.
+/// - A folder stands for the rasters in it, and with InputOptions::recursive in its subfolders. Virtual rasters are
+///   left out if there are other rasters, because they would bring the same data again.
+/// - A file in a folder that has a raster's name but cannot be opened is a failure. So is a symbolic link out of the
+///   folder, unless InputOptions::allow_outside allows it. InputOptions::skip_broken leaves both out, with a note.
+/// - "@list.txt" stands for the files and folders in the list, one a line, relative to the list's folder; lines that
+///   begin with # are comments.
+///
+/// fails  not_found, io; unsupported: a file that cannot be opened; invalid_argument: no name, an empty list or folder
 [[nodiscard]] InputList list_inputs(const std::vector<std::filesystem::path>& named, const InputOptions& options);
 
 }  // namespace talus

@@ -39,7 +39,7 @@ bool Lines::next(std::string& line) try {
     if (line.size() == longest_) {
       throw Failure(
           Cause::invalid_argument,
-          fmt::format("{}, line {}: longer than {} bytes, so this is no {}", file_.string(), number_, longest_, what_),
+          fmt::format("{}, line {}: longer than {} bytes, too long for a {}", file_.string(), number_, longest_, what_),
           file_);
     }
     line.push_back(static_cast<char>(c));

@@ -1,5 +1,5 @@
 #pragma once
-// Lines of text files that people write: lists of files, points. Read within limits, from regular files only.
+// Reads text files line by line: lists of files, points.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace talus {
 
 class Lines {
  public:
-  /// what      it is, for sentences: "list", "file of points"
-  /// longest   bytes of a line
-  /// fails     not_found, io: a folder, a device, a pipe; the sentence names the file
+  /// what      kind of file in failures: "list", "file of points"
+  /// longest   most bytes in a line
+  /// fails     not_found, io: a folder, a device, a pipe; names the file
   Lines(const std::filesystem::path& file, const char* what, std::size_t longest);
 
-  /// The next line without its end; false behind the last.
+  /// Reads the next line without its end; false at the end of the file.
   /// fails  invalid_argument: a line that is too long; io
   [[nodiscard]] bool next(std::string& line);
-  /// Of the line that was read last, from 1.
+  /// The number of the line that was read last, from 1.
   [[nodiscard]] std::uint64_t number() const { return number_; }
 
  private:

@@ -30,18 +30,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Local files that hold elevation. Drivers that fetch, run or bundle other things stay out.
+// Drivers of local elevation files. Drivers that fetch, run or unpack other things are not trusted.
 constexpr std::array<const char*, 14> kDrivers{"GTiff",   "VRT", "SRTMHGT", "AAIGrid", "EHdr", "ENVI", "BT",
                                                "USGSDEM", "HFA", "DTED",    "PNG",     "GSAG", "GSBG", "GS7BG"};
 constexpr std::string_view kFormats =
-    "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, "
-    "PNG, Surfer grids";
-// What GDAL opens beside a raster without being asked: endings after its name, and in place of its own.
+    "GeoTIFF, VRT, SRTM .hgt, Arc/Info ASCII grid, ESRI and ENVI raw, USGS DEM, BT, Erdas .img, DTED, PNG, Surfer "
+    "grids";
+// Endings of the files that GDAL opens with a raster: added to its name, or in place of its ending.
 constexpr std::array<std::string_view, 6> kAppended{".aux.xml", ".msk", ".ovr", ".aux", ".hdr", ".wld"};
 constexpr std::array<std::string_view, 14> kReplaced{".hdr", ".prj", ".qpj", ".wld", ".stx", ".sta", ".clr",
                                                      ".tab", ".aux", ".rrd", ".ige", ".imd", ".rpb", "_rpc.txt"};
-constexpr std::uintmax_t kLargestVrt = 16u << 20;  // bytes; a source takes about 500
-constexpr std::size_t kDeepestVrt = 4;             // virtual rasters within virtual rasters
+constexpr std::uintmax_t kLargestVrt = 16u << 20;  // bytes; a source needs about 500
+constexpr std::size_t kDeepestVrt = 4;             // virtual rasters in virtual rasters
 
 struct FreeXml {
   void operator()(CPLXMLNode* node) const { CPLDestroyXMLNode(node); }
@@ -55,7 +55,7 @@ bool lies_below(const fs::path& file, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
 }
 
-// Addresses GDAL would understand and we do not want: /vsicurl/…, https://…, NETCDF:"…":z
+// Names that GDAL reads as addresses: /vsicurl/…, https://…, NETCDF:"…":z
 bool is_address(const std::string& name) {
   const auto colon = name.find(':');
   const auto is_word = [](char c) { return c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'z'); };
@@ -69,21 +69,22 @@ fs::path regular_file(const fs::path& file) {
   const fs::path real = fs::canonical(file, error);
   if (error && is_address(file.string())) {
     throw Failure(Cause::unsupported,
-                  fmt::format("{} is not a local file; Talus opens plain raster files only, so fetch or unpack "
-                              "it first",
+                  fmt::format("{} is not a local file. Talus opens local raster files only: fetch or unpack it first",
                               file.string()));
   }
   if (file.empty() || error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory) {
     throw Failure(Cause::not_found,
                   fmt::format("there is no file {}", file.empty() ? "without a name" : file.string()));
   }
-  if (error) throw Failure(Cause::io, fmt::format("cannot look at {}: {}", file.string(), error.message()));
+  if (error) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), error.message()));
   if (!fs::is_regular_file(real, error)) {
     throw Failure(Cause::unsupported, fmt::format("{} is {}, not a raster file", file.string(),
                                                   fs::is_directory(real, error) ? "a folder" : "a device or a pipe"));
   }
   if (real.string().starts_with("/vsi")) {
-    throw Failure(Cause::unsupported, fmt::format("{} lies where GDAL sees a virtual file system", real.string()));
+    throw Failure(
+        Cause::unsupported,
+        fmt::format("{}: GDAL does not read paths that begin with /vsi as files. Move the file", real.string()));
   }
   if (!std::ifstream{real}) {
     throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)));
@@ -98,7 +99,7 @@ std::string upper(std::string_view text) {
   return all;
 }
 
-/// Names of files beside a raster that GDAL may open by itself, and that are there.
+/// The existing files beside a raster that GDAL may open with it.
 std::vector<fs::path> side_files_of(const fs::path& file) {
   std::vector<fs::path> sides;
   const auto add = [&](const std::string& side) {
@@ -122,7 +123,7 @@ std::vector<fs::path> side_files_of(const fs::path& file) {
   return sides;
 }
 
-/// The variables of a file that holds several rasters, by the last part of what GDAL calls them: NETCDF:"a.nc":height.
+/// The variables of a file with several rasters. A name is the last part of GDAL's: NETCDF:"a.nc":height.
 std::vector<std::string> variables_of(GDALDatasetH dataset) {
   std::vector<std::string> names;
   char** metadata = GDALGetMetadata(dataset, "SUBDATASETS");
@@ -141,7 +142,7 @@ class Guard {
       if (driver == nullptr) {
         throw Failure(
             Cause::invalid_argument,
-            fmt::format("InputOptions::allow_drivers: GDAL has no driver {} here (gdalinfo --formats lists them)",
+            fmt::format("InputOptions::allow_drivers {}: GDAL has no such driver here (gdalinfo --formats lists all)",
                         name));
       }
       drivers_.push_back(GDALGetDriverShortName(driver));
@@ -149,7 +150,7 @@ class Guard {
     drivers_.push_back(nullptr);
   }
 
-  // Null where no driver on the list knows the file.
+  // Null if no driver on the list knows the file.
   GDALDriverH driver_of(const fs::path& file) const {
     return GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, drivers_.data(), nullptr);
   }
@@ -176,27 +177,29 @@ class Guard {
       const std::string name = other == nullptr ? "" : GDALGetDriverShortName(other);
       std::error_code error;
       std::string why = fmt::format("is not a raster Talus reads ({})", kFormats);
-      if (name == "netCDF")
-        why = "is a netCDF file; damaged ones crash the library that reads them, so only ones you trust are opened";
+      if (name == "netCDF") why = "is a netCDF file, and a damaged one can crash the library that reads it";
       if (fs::file_size(file, error) == 0 && !error) why = "is empty";
-      const std::string way = other == nullptr ? "" : fmt::format("; InputOptions::allow_drivers {} opens it", name);
+      const std::string way =
+          other == nullptr ? ""
+                           : fmt::format(". If you trust the file, open it with InputOptions::allow_drivers {}", name);
       throw Failure(Cause::unsupported, fmt::format("{} {}{}", file.string(), why, way));
     }
     return GDALGetDriverShortName(driver);
   }
 
-  // Where a virtual raster opens its sources, or GDAL a mask, every driver may answer: the first that
-  // knows the file must be the one on our list.
+  // For the sources of a virtual raster and for masks, GDAL tries all drivers. The first that knows the file must be on
+  // our list.
   void check_first_choice(const fs::path& file, const std::string& driver) const {
     GDALDriverH first = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr);
     if (first != nullptr && GDALGetDriverShortName(first) != driver) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} looks like {} and like {}; Talus does not open what could be two things",
-                                file.string(), driver, GDALGetDriverShortName(first)));
+      throw Failure(
+          Cause::unsupported,
+          fmt::format("{} looks like {} and like {}, so Talus does not open it. Convert it with gdal_translate",
+                      file.string(), driver, GDALGetDriverShortName(first)));
     }
   }
 
-  /// What was opened; nothing where the file was seen before.
+  /// Opens a file that another one names; empty if it was seen before.
   AdmittedRaster admit_inner(const fs::path& file) {
     const fs::path real = regular_file(file);
     if (seen_.contains(real)) return {};
@@ -205,7 +208,7 @@ class Guard {
     return inner;
   }
 
-  /// What a source says of voids, which the virtual raster must say, too.
+  /// Records which voids a source has. The virtual raster must have them, too.
   void note_voids(const AdmittedRaster& source, bool uses_mask) {
     GDALDatasetH dataset = source.dataset.get();
     for (int i = 1; dataset != nullptr && i <= GDALGetRasterCount(dataset); ++i) {
@@ -218,17 +221,15 @@ class Guard {
     }
   }
 
-  // GDAL opens files beside a raster by itself, masks and overviews with any driver.
+  // GDAL opens files beside a raster without being asked, and masks and overviews with any driver.
   void check_side_files(const fs::path& file) {
     for (const fs::path& side : side_files_of(file)) {
       const fs::path real = regular_file(side);
       if (!may_lead_to(real, file.parent_path(), options_)) {
         throw Failure(
             Cause::unsupported,
-            fmt::format(
-                "{} is a link to {}, outside the folder of its raster; InputOptions::allow_outside names folders "
-                "whose files may be read, such as {}",
-                side.string(), real.string(), real.parent_path().string()));
+            fmt::format("{} is a link to {}, outside its folder. To read it, add InputOptions::allow_outside {}",
+                        side.string(), real.string(), real.parent_path().string()));
       }
       note(real);
       const std::string ending = upper(side.extension().string());
@@ -236,17 +237,18 @@ class Guard {
     }
   }
 
-  // An overview file that the metadata names may lie anywhere.
+  // The metadata may name an overview file anywhere.
   DatasetOwner open(const fs::path& file, const std::string& driver, const std::string& variable) {
     if (is_of_hdf5(driver)) quiet_hdf5();
     const std::array<const char*, 2> only{driver.c_str(), nullptr};
     DatasetOwner dataset{
         GDALOpenEx(name_to_open(file, driver, variable).c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} names a separate overview file, which Talus does not follow; copy it with "
-                                "gdal_translate first",
-                                file.string()));
+      throw Failure(
+          Cause::unsupported,
+          fmt::format(
+              "{} names a separate overview file, which Talus does not open. Copy the raster with gdal_translate first",
+              file.string()));
     }
     if (dataset) {
       const CPLStringList behind{GDALGetFileList(dataset.get())};
@@ -255,17 +257,18 @@ class Guard {
     return dataset;
   }
 
-  /// Of a file without bands of its own but with rasters in it.
+  /// Chooses the raster of a file that holds several.
   void choose_variable(AdmittedRaster& raster, const fs::path& named) {
     const std::vector<std::string> variables = variables_of(raster.dataset.get());
     const bool has_bands = GDALGetRasterCount(raster.dataset.get()) > 0;
     if (options_.variable.empty()) {
       if (has_bands || variables.empty()) return;
-      throw Failure(Cause::unsupported, fmt::format("{} holds several rasters: {}; InputOptions::variable chooses one",
-                                                    named.string(), fmt::join(variables, ", ")));
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} holds several rasters: {}. Choose one with InputOptions::variable", named.string(),
+                                fmt::join(variables, ", ")));
     }
     if (std::find(variables.begin(), variables.end(), options_.variable) == variables.end()) {
-      if (has_bands && variables.empty()) return;  // the only one; the name is for other inputs
+      if (has_bands && variables.empty()) return;  // the name is for other inputs
       throw Failure(Cause::invalid_argument,
                     fmt::format("{} has no variable {}; it has {}", named.string(), options_.variable,
                                 variables.empty() ? "none" : fmt::format("{}", fmt::join(variables, ", "))));
@@ -274,7 +277,7 @@ class Guard {
     raster.dataset = open(raster.file, raster.driver, raster.variable);
   }
 
-  // Files that GDAL reads beside those that are admitted: headers, world files, statistics.
+  // Records a file that GDAL reads with the admitted one: a header, a world file, statistics.
   void note(const fs::path& file) {
     std::error_code error;
     const fs::path real = fs::canonical(file, error);
@@ -283,15 +286,15 @@ class Guard {
 
   void check_vrt(const fs::path& vrt) {
     if (open_.size() >= kDeepestVrt) {
-      throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster nested {} deep; {} is the most Talus "
-                                                    "follows",
+      throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster nested {} deep; Talus reads at most {}",
                                                     vrt.string(), open_.size() + 1, kDeepestVrt));
     }
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(vrt, error);
     if (error || bytes > kLargestVrt) {
       throw Failure(Cause::unsupported,
-                    fmt::format("{} is a virtual raster of more than {} bytes", vrt.string(), kLargestVrt));
+                    fmt::format("{} is a virtual raster larger than {} bytes, the most that Talus reads", vrt.string(),
+                                kLargestVrt));
     }
     GdalScope gdal;
     const std::unique_ptr<CPLXMLNode, FreeXml> xml{CPLParseXMLFile(vrt.c_str())};
@@ -306,7 +309,7 @@ class Guard {
     open_.pop_back();
   }
 
-  // Everything that is not known to be harmless is refused: new kinds of element come with new GDALs.
+  // Unknown elements are refused: a new GDAL may bring new ones.
   void check_dataset(const fs::path& vrt, const CPLXMLNode& dataset) {
     for (const CPLXMLNode* node = dataset.psChild; node != nullptr; node = node->psNext) {
       if (node->eType == CXT_Attribute && is_one_of(node->pszValue, {"rasterXSize", "rasterYSize"})) continue;
@@ -387,13 +390,12 @@ class Guard {
       throw Failure(Cause::unsupported,
                     fmt::format("{} has the source {}, which is not a local file", vrt.string(), name.string()));
     }
-    const bool beside = std::atoi(CPLGetXMLValue(&element, "relativeToVRT", "0")) != 0;  // as GDAL reads it
+    const bool beside = std::atoi(CPLGetXMLValue(&element, "relativeToVRT", "0")) != 0;  // as GDAL parses it
     const fs::path real = regular_file(beside ? vrt.parent_path() / name : name);
     if (!may_lead_to(real, vrt.parent_path(), options_)) {
       throw Failure(
           Cause::unsupported,
-          fmt::format("{} has the source {}, which lies outside its folder; InputOptions::allow_outside names folders "
-                      "whose files may be read, such as {}",
+          fmt::format("{} has the source {}, outside its folder. To read it, add InputOptions::allow_outside {}",
                       vrt.string(), real.string(), real.parent_path().string()));
     }
     if (std::find(open_.begin(), open_.end(), real) != open_.end()) {
@@ -403,19 +405,18 @@ class Guard {
   }
 
   [[noreturn]] static void refuse(const fs::path& vrt, std::string_view what) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is a virtual raster with {}; Talus takes plain bands of simple or complex sources "
-                              "only, so copy it with gdal_translate first",
-                              vrt.string(), what));
+    throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster with {}; Talus reads only bands of simple or "
+                                                  "complex sources. Copy it with gdal_translate first",
+                                                  vrt.string(), what));
   }
 
   const InputOptions& options_;
-  std::vector<const char*> drivers_;  // that may open files; ends in null
+  std::vector<const char*> drivers_;  // allowed to open files; ends in null
   std::set<fs::path> seen_, noted_;
-  std::vector<FileState> files_;  // what was noted, in order
+  std::vector<FileState> files_;  // in the order they were found
   bool interpolates_ = false;
   std::string voids_in_, alpha_in_;
-  std::vector<fs::path> open_;  // the virtual rasters we are inside of, outermost first
+  std::vector<fs::path> open_;  // the virtual rasters around the current file, outermost first
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Which files may be opened at all.
+// Decides which raster files may be opened.
 
 #include <filesystem>
 #include <string>
@@ -10,41 +10,40 @@
 
 namespace talus {
 
-/// Says yes to a raster file before GDAL believes it, so that opening it touches nothing but local
-/// files the caller can see: no network, no archive, no program, no file elsewhere.
+/// A raster file that is safe to open: that touches only local files the caller can see, no network, no archive, no
+/// program.
 ///
-/// A virtual raster (VRT) is accepted when it is plain bands of simple or complex sources, each a regular file below
-/// the virtual raster's own folder, or below one of InputOptions::allow_outside, and acceptable itself. Side files that
-/// GDAL opens on its own (metadata, headers, masks, overviews) are held to the same rule.
-///
-/// netCDF is not on the list of drivers: damaged files crash its library or take any amount of memory.
+/// A virtual raster (VRT) is admitted if it has only bands of simple or complex sources. Each source is a regular file
+/// below the virtual raster's folder or below one of InputOptions::allow_outside, and is admitted itself. Side files
+/// (metadata, headers, masks, overviews) follow the same rule. netCDF must be allowed by name: damaged files crash its
+/// library or use any amount of memory.
 struct AdmittedRaster {
-  std::filesystem::path file;  ///< absolute, symbolic links resolved: what is to be opened
-  std::string driver;          ///< the one GDAL driver to open it with
-  std::string variable;        ///< of a file that holds several rasters; empty: the file holds one
-  DatasetOwner dataset;        ///< opened to be looked at; null where GDAL could not
-  bool interpolates = false;   ///< a virtual raster that resamples its sources otherwise than by the nearest sample
-  std::string voids_in;        ///< a source of a virtual raster with a void value, a mask or alpha; empty: none has
-  std::string alpha_in;        ///< one with a mask or alpha that the virtual raster does not ask for; empty: none
-  /// All files it is read from, itself first: sources of virtual rasters, headers, masks, world files.
+  std::filesystem::path file;  ///< absolute, symbolic links resolved
+  std::string driver;          ///< the GDAL driver to open it with
+  std::string variable;        ///< the raster to read in a file with several; empty: the only one
+  DatasetOwner dataset;        ///< open for a first look; null if GDAL could not
+  bool interpolates = false;   ///< a virtual raster that interpolates its sources
+  std::string voids_in;        ///< a source of a virtual raster with a void value, a mask or alpha; empty: none
+  std::string alpha_in;        ///< a source with a mask or alpha that the virtual raster does not use; empty: none
+  /// All files that it is read from, itself first: sources of virtual rasters, headers, masks, world files.
   std::vector<FileState> files = {};
 };
 
-/// fails  not_found; unsupported: no local file, a driver not on the list, a virtual raster that reaches out, several
-///        variables and none chosen; invalid_argument: no such driver, no such variable; io
+/// fails  not_found; unsupported: not a local file, a driver not on the list, a virtual raster with other sources,
+///        several variables and none chosen; invalid_argument: no such driver, no such variable; io
 [[nodiscard]] AdmittedRaster admit_raster(const std::filesystem::path& file, const InputOptions& options);
 
-/// A file that a driver on the list knows by its first bytes; what else it is, admit_raster tells.
+/// Whether a driver on the list knows the file by its first bytes. It may still be refused by admit_raster.
 [[nodiscard]] bool looks_like_raster(const std::filesystem::path& file, const InputOptions& options);
 
-/// Whether a file lies below a folder or one of those the user allows; symbolic links count by what they lead to.
+/// Whether a file lies below `folder` or a folder that the user allows; symbolic links are followed.
 [[nodiscard]] bool may_lead_to(const std::filesystem::path& file, const std::filesystem::path& folder,
                                const InputOptions& options);
 
-/// Whether a driver reads by way of HDF5, see quiet_hdf5.
+/// Whether a driver uses HDF5, see quiet_hdf5.
 [[nodiscard]] bool is_of_hdf5(const std::string& driver);
 
-/// What GDAL opens an admitted raster by.
+/// The name by which GDAL opens an admitted raster.
 [[nodiscard]] std::string name_to_open(const std::filesystem::path& file, const std::string& driver,
                                        const std::string& variable);
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <variant>
 
+#include "ingest/mosaic/common_grid.hpp"
+
 namespace talus {
 namespace {
 
@@ -17,7 +19,7 @@ GridRect with(GridRect rect, GridPoint p) {
 TileId tile_of(GridPoint p) { return {p.col >> kTileShift, p.row >> kTileShift}; }
 std::uint64_t place_of(TileId id) { return curve_position({1, id.x, id.y}); }
 
-/// Notes one sample that changes.
+/// Records one changed sample.
 void note(Changes& changes, const Description& d, GridPoint p, bool was_void, double height_difference) {
   UpdateChange& sum = changes.sum;
   const bool is_first_height = sum.samples == sum.filled;
@@ -51,7 +53,7 @@ void compare(Changes& changes, const Description& d, const Window& fresh, const 
             const auto after = static_cast<double>(now[i]);
             const double before =
                 std::visit([&](const auto& codes) { return static_cast<double>(codes[i]); }, old.codes);
-            // Bit for bit: -0.0 is stored as that.
+            // Compare bits: -0.0 is stored as -0.0.
             if (!was_void && std::bit_cast<std::uint64_t>(after) == std::bit_cast<std::uint64_t>(before)) continue;
             note(changes, d, {col, row}, was_void, d.step.value(after) - d.step.value(before));
           }
@@ -90,8 +92,8 @@ Changes changes_by(const ExistingDatabase& base, const Source& source, std::size
   for (std::int32_t y = first.y; y <= last.y; ++y) {
     for (std::int32_t x = first.x; x <= last.x; x += tiles_across) {
       const std::int32_t east = std::min(x + tiles_across - 1, last.x);
-      const GridRect part = common(
-          all, {{x * kTileSide, y * kTileSide}, {east * kTileSide + kTileSide - 1, y * kTileSide + kTileSide - 1}});
+      const GridRect part =
+          common(all, {{x * kTileSide, y * kTileSide}, {(east + 1) * kTileSide - 1, (y + 1) * kTileSide - 1}});
       tell();
       if (!source.touches(part)) continue;
       source.read_into(fresh, part, part);

@@ -1,5 +1,5 @@
 #pragma once
-// Which samples of a database new inputs change.
+// The samples of a database that new inputs change.
 
 #include <functional>
 #include <unordered_map>
@@ -13,21 +13,21 @@ namespace talus {
 struct Changes {
   UpdateChange sum;
   GridPoint largest_at{};
-  std::unordered_map<std::uint64_t, GridRect> of_tiles;  ///< by place on the curve: what changes in a tile's own square
+  std::unordered_map<std::uint64_t, GridRect> of_tiles;  ///< changed rectangle in a tile's square, by curve position
 
-  /// Whether a sample of a rectangle, no larger than a tile's window, changes.
+  /// Whether a sample in `window` changes. `window` is no larger than a tile's window.
   [[nodiscard]] bool touches(GridRect window) const;
 };
 
-/// Lays the new samples over the old ones and looks where they differ. A void covers nothing, so it changes nothing.
+/// Compares the new samples with the old ones under them. A void sample changes nothing.
 ///
-/// tiles_across  how many tiles are looked at at once; memory follows from it
+/// tiles_across  tiles compared at once; memory grows with it
 /// tell          called now and then; may throw
-/// cost          a pass over the new samples, and over the old ones beneath
+/// cost          reads the new samples, and the old ones under them
 [[nodiscard]] Changes changes_by(const ExistingDatabase& base, const Source& source, std::size_t kind,
                                  std::int32_t tiles_across, const std::function<void()>& tell);
 
-/// Room for codes of a kind, see code_kind.
+/// Memory for `samples` codes of a kind, see code_kind.
 [[nodiscard]] Codes codes_of_kind(std::size_t kind, std::size_t samples);
 
 }  // namespace talus

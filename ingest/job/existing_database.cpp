@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/page/page_codec.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -39,13 +40,13 @@ void ExistingDatabase::fill(Window& window) const {
   if (!overlap(window.region, extent)) return;
   const CodeDistance distance(manifest_.description.step, manifest_.description.metres_per_unit);
   PageDecoder decoder;
-  const GridRect held = common(window.region, extent);
-  const PageId first = page_of(held.first, 0), last = page_of(held.last, 0);
+  const GridRect shared = common(window.region, extent);
+  const PageId first = page_of(shared.first, 0), last = page_of(shared.last, 0);
   for (std::int32_t y = first.y; y <= last.y; ++y) {
     for (std::int32_t x = first.x; x <= last.x; ++x) {
       const PageId id{0, x, y};
       const auto stored = txn_.find({0, curve_position(id)});
-      if (!stored) continue;  // voids only
+      if (!stored) continue;  // a page without data is not stored
       const Page& page = decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content);
       txn_.require_all_bytes();
       for (std::int32_t row = 0; row < page.grid.rows; ++row) {

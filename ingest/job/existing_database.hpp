@@ -1,5 +1,5 @@
 #pragma once
-// The database that later tiles go into.
+// The database that an update starts from.
 
 #include <filesystem>
 
@@ -9,7 +9,7 @@
 
 namespace talus {
 
-/// A database as ingest sees it: samples on its grid. Several threads may ask for generations, one for samples.
+/// The samples and generations of a database. Any number of threads may ask for generations, one for samples.
 class ExistingDatabase {
  public:
   /// fails  not_found, corrupt, unsupported
@@ -17,10 +17,10 @@ class ExistingDatabase {
 
   [[nodiscard]] const Manifest& manifest() const { return manifest_; }
   [[nodiscard]] Provenance provenance() const;
-  /// The generation of a page whose bytes are these; `otherwise` if it has others or does not exist.
+  /// The generation of a page that is stored with exactly these bytes; else `otherwise`.
   [[nodiscard]] std::uint32_t generation_of(PageKey key, std::span<const std::byte> content,
                                             std::uint32_t otherwise) const;
-  /// Lays its samples under those of a window: where the window is void and the database is not.
+  /// Fills the void samples of a window with those of the database.
   void fill(Window& window) const;
 
  private:

@@ -13,29 +13,29 @@
 #include "engine/tile/coarse_levels.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/job/thread_pool.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 
 namespace talus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What of the time goes into tiles; the rest is settling the levels above them and sealing the file.
+/// Share of the time spent on tiles. The rest goes into the levels above them and the seal.
 constexpr double kTileShare = 0.97;
 
 class ProgressReporter {
  public:
   ProgressReporter(const Job& job, std::uint64_t samples_before) : job_(job), before_(samples_before) {}
 
-  void beginning(const char* stage) { say(stage, 0, 0); }
-  void tiles(std::uint64_t samples) { tell(samples, "tiles", kTileShare); }
-  void rest(const char* stage, double fraction) { say(stage, fraction, all()); }
+  void beginning(const char* stage) { report(stage, 0, 0); }
+  void tiles(std::uint64_t samples) {
+    report("tiles", kTileShare * static_cast<double>(samples) / static_cast<double>(all()), samples);
+  }
+  void rest(const char* stage, double fraction) { report(stage, fraction, all()); }
 
  private:
   [[nodiscard]] std::uint64_t all() const { return static_cast<std::uint64_t>(job_.description.extent.samples()); }
-  void tell(std::uint64_t samples, const char* stage, double share) {
-    say(stage, share * static_cast<double>(samples) / static_cast<double>(all()), samples);
-  }
-  void say(const char* stage, double fraction, std::uint64_t samples) {
+  void report(const char* stage, double fraction, std::uint64_t samples) {
     if (!job_.options.progress) return;
     const double seconds = std::chrono::duration<double>(Clock::now() - job_.started).count();
     const double before = kTileShare * static_cast<double>(before_) / static_cast<double>(all());
@@ -44,19 +44,19 @@ class ProgressReporter {
   }
 
   const Job& job_;
-  std::uint64_t before_;  // settled by an ingest that was interrupted
+  std::uint64_t before_;  // samples that an interrupted ingest has finished
 };
 
-/// What a future holds; meanwhile the caller is told, and may throw.
+/// The result of a future. While it is not ready, progress is reported, which may throw.
 template <class Result>
-Result wait_for(std::future<Result>& future, ProgressReporter& teller, std::uint64_t samples) {
-  while (future.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) teller.tiles(samples);
+Result wait_for(std::future<Result>& future, ProgressReporter& progress, std::uint64_t samples) {
+  while (future.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) progress.tiles(samples);
   return future.get();
 }
 
 // ---- stage one: tiles ------------------------------------------------------------------------------
 
-/// What settling a tile works in. Keeping it for the next tile spares fresh memory, which costs more than filling it.
+/// Memory for computing a tile. It is kept for the next tile, because fresh memory costs more than filling it.
 struct TileMemory {
   Window window;
   TileErrors errors;
@@ -67,7 +67,7 @@ ErrorRule rule_of(const Job& job) {
   return {job.description.error_metric, [&job](std::int32_t row) { return job.ground.cell(row); }};
 }
 
-TilePages settle_tile(const Job& job, TileId id, const Window& panel, TileMemory& memory) {
+TilePages compute_tile(const Job& job, TileId id, const Window& panel, TileMemory& memory) {
   const GridRect part = tile_window(id, job.description.extent);
   if (is_empty(part)) return {};
   Window& window = memory.window;
@@ -103,52 +103,52 @@ void put(PageWriter& writer, TileId id, const TilePages& tile, std::uint64_t& pa
   writer.commit();
 }
 
-/// Panel by panel: while one is worked on, the next is read. Results are written in order, so that the file is the same
-/// for any number of threads.
-void settle_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
+/// Computes one panel while the next is read. Results are written in order, so that the file does not depend on the
+/// number of threads.
+void compute_tiles(const Job& job, PageWriter& writer, IngestReport& report) {
   std::vector<Panel> panels = panels_of(job.description.extent, job.budget.tiles_across);
-  std::uint64_t settled = 0;
+  std::uint64_t computed = 0;
   {
     const ReadTxn done = writer.committed();
     for (Panel& panel : panels) {
       std::erase_if(panel.tiles, [&](TileId id) {
         const bool keep = done.has(record_key(id)) && !job.is_stale(id);
-        if (keep) settled += own_samples(id, job.description.extent);
+        if (keep) computed += own_samples(id, job.description.extent);
         return keep;
       });
     }
   }
   std::erase_if(panels, [](const Panel& panel) { return panel.tiles.empty(); });
   if (panels.empty()) return;
-  const std::uint64_t settled_before = settled;
-  ProgressReporter teller(job, settled);
-  teller.tiles(settled);
+  const std::uint64_t computed_before = computed;
+  ProgressReporter progress(job, computed);
+  progress.tiles(computed);
 
   PanelReader reader(job.read);
   std::deque<TileMemory> memories(job.budget.threads);
-  ThreadPool crew(job.budget.threads);  // after what its work looks at
+  ThreadPool crew(job.budget.threads);  // ends before the memory that its work uses
   const auto read = [&](std::size_t i) { return crew.give([&, i](unsigned) { return &reader.read(panels[i]); }); };
   auto next = read(0);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const Window& panel = *wait_for(next, teller, settled);
+    const Window& panel = *wait_for(next, progress, computed);
     if (i + 1 < panels.size()) next = read(i + 1);
-    job.files->require_unchanged(panels[i].window);  // no tile of this panel is written yet
+    job.files->require_unchanged(panels[i].window);  // before a tile of this panel is written
     std::deque<std::future<TilePages>> under_way;
     const std::vector<TileId>& tiles = panels[i].tiles;
     for (std::size_t done = 0, given = 0; done < tiles.size(); ++done) {
       for (; given < tiles.size() && under_way.size() < 2 * job.budget.threads; ++given) {
         under_way.push_back(
-            crew.give([&, id = tiles[given]](unsigned who) { return settle_tile(job, id, panel, memories[who]); }));
+            crew.give([&, id = tiles[given]](unsigned who) { return compute_tile(job, id, panel, memories[who]); }));
       }
-      const TilePages tile = wait_for(under_way.front(), teller, settled);
+      const TilePages tile = wait_for(under_way.front(), progress, computed);
       under_way.pop_front();
       put(writer, tiles[done], tile, report.pages);
       ++report.tiles;
-      settled += own_samples(tiles[done], job.description.extent);
-      teller.tiles(settled);
+      computed += own_samples(tiles[done], job.description.extent);
+      progress.tiles(computed);
     }
   }
-  report.samples = settled - settled_before;
+  report.samples = computed - computed_before;
 }
 
 // ---- stage two: what is larger than a tile -----------------------------------------------------------
@@ -157,9 +157,9 @@ struct Totals {
   std::uint64_t valid = 0;
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   ErrorHistogram errors{};
-  std::unordered_map<std::uint64_t, ChildEntry> entries;  ///< of the pages of band 1
+  std::unordered_map<std::uint64_t, ChildEntry> entries;  ///< child entries of band 1
 
-  void take(TileId id, const TileSummary& summary) {
+  void add(TileId id, const TileSummary& summary) {
     valid += summary.valid_samples;
     if (summary.valid_samples > 0) {
       lowest = std::min(lowest, summary.lowest);
@@ -170,8 +170,8 @@ struct Totals {
   }
 };
 
-/// The levels above tiles; their pages wait, for as long as the file is looked at nothing may be written into it.
-Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, std::vector<PageBytes>& pages) {
+/// Computes the levels above tiles. Their pages are collected: the file must not change while it is read.
+Totals compute_coarse(const Job& job, PageWriter& writer, IngestReport& report, std::vector<PageBytes>& pages) {
   const ReadTxn view = writer.view();
   Totals totals;
   const GroundSide ground = [&](const HalfDiamond& t) { return job.ground.longest_side(t.a, t.b, t.apex).value; };
@@ -183,7 +183,7 @@ Totals settle_coarse(const Job& job, PageWriter& writer, IngestReport& report, s
       view.forget({kRecordTable, position});
     });
   };
-  tiles([&](TileId id, const TileSummary& summary) { totals.take(id, summary); });
+  tiles([&](TileId id, const TileSummary& summary) { totals.add(id, summary); });
   PageDecoder decoder;
   const ReadBack read_back = [&](PageId id) -> const Page* {
     const PageKey key{id.band, curve_position(id)};
@@ -221,7 +221,7 @@ void finish(Job& job, PageWriter& writer, const Totals& totals, const std::vecto
   d.maximum = totals.highest;
   for (const PageBytes& page : pages) writer.put(page.key, page.content, page.generation);
   const Manifest manifest{d, job.making.bands, provenance.generation, top_generations(job, pages)};
-  provenance.vertices_above.clear();  // those of the generation before
+  provenance.vertices_above.clear();  // counts of the generation before
   for (std::size_t i = 0; i < kErrorRungs; ++i) provenance.vertices_above.emplace_back(error_rung(i), totals.errors[i]);
   writer.put({kHeaderTable, kPlanPosition}, {}, provenance.generation);  // nothing is left to resume
   writer.put({kHeaderTable, kProvenancePosition}, encode(provenance), provenance.generation);
@@ -230,8 +230,9 @@ void finish(Job& job, PageWriter& writer, const Totals& totals, const std::vecto
 
 std::string seam_note(const SeamReport& seams) {
   if (seams.different == 0) return "";
-  return fmt::format("where inputs overlap, {} of {} samples differ, most by {} m at {}, {}: {} covers {}",
-                     seams.different, seams.compared, seams.largest_m, seams.x, seams.y, seams.covering, seams.covered);
+  return fmt::format(
+      "where inputs overlap, {} of {} samples differ. The largest difference is {} m at {}, {}, where {} covers {}",
+      seams.different, seams.compared, seams.largest_m, seams.x, seams.y, seams.covering, seams.covered);
 }
 
 void require_sense(const IngestOptions& options) {
@@ -246,14 +247,15 @@ void require_sense(const IngestOptions& options) {
   }
   const double coarsest = 1e6;
   if (!(options.finest_tolerance.value >= 0) || options.finest_tolerance.value > coarsest) {
-    throw Failure(Cause::invalid_argument, fmt::format("finest tolerance {} m: expected metres, 0 to {}",
-                                                       options.finest_tolerance.value, coarsest));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("finest tolerance {} m: expected 0 to {} m", options.finest_tolerance.value, coarsest));
   }
   if (options.finest_tolerance.value > 0 && options.finest_tolerance.value <= options.inputs.height_step.value / 2) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("finest tolerance {} m: heights rounded to {} m lie up to {} m off; ask for more",
-                              options.finest_tolerance.value, options.inputs.height_step.value,
-                              options.inputs.height_step.value / 2));
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format(
+            "finest tolerance {} m: heights rounded to multiples of {} m are up to {} m off. Choose a larger tolerance",
+            options.finest_tolerance.value, options.inputs.height_step.value, options.inputs.height_step.value / 2));
   }
 }
 
@@ -305,14 +307,14 @@ IngestEstimate estimate(const Job& job, const Source& source, const std::functio
     const auto begun = Clock::now();
     const GridRect window = tile_window(id, job.description.extent);
     job.read(read, window, window);
-    const TilePages tile = settle_tile(job, id, read, memory);
+    const TilePages tile = compute_tile(job, id, read, memory);
     seconds += std::chrono::duration<double>(Clock::now() - begun).count();
     samples += static_cast<double>(own_samples(id, job.description.extent));
     for (const PageBytes& page : tile.pages) bytes += static_cast<double>(page.content.size());
     bytes += static_cast<double>(encode(tile.summary).size());
   }
   if (samples > 0) {
-    constexpr double kFixed = 40e3, kAround = 1.02;  // headers and trees; coarse levels, and what LMDB adds
+    constexpr double kFixed = 40e3, kAround = 1.02;  // headers and trees; coarse levels and LMDB's own pages
     sum.bytes = static_cast<std::uint64_t>(kFixed + bytes / samples * all * kAround);
     sum.seconds = seconds / samples * all / job.budget.threads;
   }
@@ -323,27 +325,27 @@ IngestEstimate estimate(const Job& job, const Source& source, const std::functio
 IngestReport run(Job& job, const Source& source, Provenance provenance, PageWriter& writer) {
   const RasterCache cache(job.budget.gdal_cache_bytes);
   IngestReport report;
-  settle_tiles(job, writer, report);
-  ProgressReporter teller(job, 0);
-  teller.rest("levels above tiles", kTileShare);
+  compute_tiles(job, writer, report);
+  ProgressReporter progress(job, 0);
+  progress.rest("levels above tiles", kTileShare);
   std::vector<PageBytes> coarse;
-  const Totals totals = settle_coarse(job, writer, report, coarse);
+  const Totals totals = compute_coarse(job, writer, report, coarse);
   if (totals.valid == 0) {
     throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest",
                                                        job.description.source_name, job.description.extent.samples()));
   }
   report.pages += coarse.size();
-  teller.rest("looking at the inputs again", 0.98);
-  job.files->require_unchanged([&] { teller.rest("looking at the inputs again", 0.98); });
+  progress.rest("checking that the inputs are unchanged", 0.98);
+  job.files->require_unchanged([&] { progress.rest("checking that the inputs are unchanged", 0.98); });
   for (std::size_t i = 0; i < source.inputs().size(); ++i) {
     const InputFile& input = source.inputs()[i];
     provenance.sources.push_back(
         {input.name, input.driver, input.type, input.cols, input.rows, input.bytes, job.files->checksum(i)});
   }
   finish(job, writer, totals, coarse, std::move(provenance));
-  teller.rest("sealing", 0.99);
+  progress.rest("sealing", 0.99);
   report.bytes = writer.finish();
-  teller.rest("done", 1);
+  progress.rest("done", 1);
   report.description = job.description;
   report.notes = source.notes();
   if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);

@@ -1,5 +1,5 @@
 #pragma once
-// The work that an ingest and an update have in common: the steps of docs/architecture.md as code.
+// The work that ingest and update share, as in docs/architecture.md.
 
 #include <chrono>
 #include <functional>
@@ -16,34 +16,37 @@
 
 namespace talus {
 
-/// Read by all threads, changed by none.
+/// The work of an ingest or update. Threads only read it.
 struct Job {
   const IngestOptions& options;
   Description description;
   ReadWindow read;
-  std::function<bool(TileId)> is_stale;  ///< whether a tile that is there must be made anew
+  std::function<bool(TileId)> is_stale;  ///< whether a tile in the file must be computed again
   PageMaking making;
-  InputFiles* files = nullptr;  ///< looked at again after each panel is read, and before the file is finished
-  // From these follow:
+  InputFiles* files = nullptr;  ///< checked after each panel is read, and before the file is finished
+  // Derived from the above:
   GroundScale ground;
   CodeDistance distance;
   WorkingMemory budget;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 };
 
-/// A job for a raster; heights come from `read`, `bytes_a_code` wide, out of inputs with blocks of `block_bytes`.
-/// fails  invalid_argument: options that make no sense, too little memory
+/// A job for a raster.
+///
+/// read          reads heights; each is `bytes_a_code` wide
+/// block_bytes   the largest block of the inputs
+/// fails         invalid_argument: options that contradict each other, too little memory
 [[nodiscard]] Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64_t block_bytes,
                          ReadWindow read, const IngestOptions& options);
 
-/// Tells, before the first tile, what is being done.
+/// Reports a stage before the first tile.
 void tell_of(const Job& job, const char* stage);
 
-/// Settles a few of the tiles that are wanted, keeps nothing and tells what all would take.
+/// Computes a few of the wanted tiles, writes nothing, and extrapolates to all.
 [[nodiscard]] IngestEstimate estimate(const Job& job, const Source& source,
                                       const std::function<bool(TileId)>& is_wanted);
 
-/// Settles all tiles that are not there or are stale, then what is larger than a tile, and finishes the file.
+/// Computes all missing and stale tiles, then the levels above tiles, and finishes the file.
 /// fails  invalid_argument: all void; full, io, and what reading fails with
 [[nodiscard]] IngestReport run(Job& job, const Source& source, Provenance provenance, PageWriter& writer);
 

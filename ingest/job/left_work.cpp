@@ -17,7 +17,6 @@ namespace fs = std::filesystem;
 
 std::string name(PageId id) { return fmt::format("page {}/{} of band {}", id.x, id.y, id.band); }
 
-/// A page that some other one says is there.
 StoredPage require(const ReadTxn& txn, PageKey key, const std::string& what) {
   const auto stored = txn.find(key);
   if (!stored) refuse(what + " is missing");
@@ -31,9 +30,9 @@ class Check {
 
   void run() {
     txn_.for_each(kHeaderTable, [&](std::uint64_t at) {
-      require(txn_, {kHeaderTable, at}, fmt::format("header {}", at));
+      require(txn_, {kHeaderTable, at}, fmt::format("part {} of the header", at));
     });
-    std::uint64_t known[2] = {0, 0}, stored[2] = {0, 0};  // pages of bands 0 and 1: what records say, what is there
+    std::uint64_t known[2] = {0, 0}, stored[2] = {0, 0};  // pages of bands 0 and 1: counted by the records, and stored
     txn_.for_each(kRecordTable, [&](std::uint64_t at) { tile(at, known); });
     for (int band = 0; band < kRecordTable; ++band) {
       txn_.for_each(band, [&](std::uint64_t at) {
@@ -46,7 +45,7 @@ class Check {
     }
     for (const int band : {0, 1}) {
       if (stored[band] != known[band])
-        refuse(fmt::format("{} pages of band {} are stored, and the tiles' records say {}", stored[band], band,
+        refuse(fmt::format("{} pages of band {} are stored; the records of the tiles count {}", stored[band], band,
                            known[band]));
     }
   }
@@ -67,21 +66,21 @@ class Check {
         require(txn_, {kRecordTable, position}, fmt::format("the record of tile {}/{}", id.x, id.y));
     const TileSummary summary = decode_tile_summary(record.content);
     if (summary.entry.present != txn_.has({1, position}))
-      refuse(fmt::format("{}: the tile's record says something else of it", name(id)));
+      refuse(name(id) + (summary.entry.present ? " is missing" : " is not in the record of its tile"));
     if (!summary.entry.present) return;
     ++known[1];
     const Found found = decoded(id);
     if (found.generation != summary.entry.generation)
-      refuse(fmt::format("{}: is of another update than the tile's record", name(id)));
+      refuse(fmt::format("{} and the record of its tile are from different updates", name(id)));
     const auto children = found.page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {
       const PageId below = child_page(id, i);
       if (children[i].present != txn_.has({below.band, curve_position(below)}))
-        refuse(fmt::format("{}: the page above says something else of it", name(below)));
+        refuse(name(below) + (children[i].present ? " is missing" : " is unknown to the page above it"));
       if (!children[i].present) continue;
       ++known[0];
       if (decoded(below).generation != children[i].generation)
-        refuse(fmt::format("{}: is of another update than the page above it", name(below)));
+        refuse(fmt::format("{} and the page above it are from different updates", name(below)));
     }
     tell_();
   }
@@ -94,7 +93,7 @@ class Check {
   PageDecoder decoder_;
 };
 
-/// Without "corrupt: FILE: " at its front.
+/// The message without "corrupt: FILE: " at its front.
 std::string words_of(const Failure& f, const fs::path& file) {
   std::string words = f.what();
   for (const std::string& front : {std::string("corrupt: "), file.string() + ": "}) {
@@ -118,7 +117,7 @@ LeftWork left_work_in(const fs::path& part) {
     work.tiles = txn.summary(kRecordTable).pages;
     const auto plan = txn.find({kHeaderTable, kPlanPosition});
     if (!plan) {
-      if (work.tiles > 0) return damaged("it does not say what it is");
+      if (work.tiles > 0) return damaged("it has tiles, but no plan");
       return work;
     }
     work.plan.assign(reinterpret_cast<const char*>(plan->content.data()), plan->content.size());
@@ -128,11 +127,11 @@ LeftWork left_work_in(const fs::path& part) {
       return work;
     }
     const auto made = txn.find({kHeaderTable, kProvenancePosition});
-    if (!made) return damaged("it does not say what it was made from");
+    if (!made) return damaged("it has no list of its inputs");
     work.made = decode_provenance(made->content);
     const bool is_update = work.made->generation > 0;
     work.kind = is_update ? LeftWork::Kind::update : LeftWork::Kind::finished;
-    if (is_update) work.title = "finished, and not published";
+    if (is_update) work.title = "finished, but not yet in place of the database";
   } catch (const Failure& f) {
     if (f.cause() != Cause::corrupt && f.cause() != Cause::unsupported) throw;
     return damaged(words_of(f, part));

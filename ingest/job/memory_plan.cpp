@@ -12,11 +12,11 @@ namespace talus {
 namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-// Measured with tests/soak/ingest.sh: the program and its libraries; what one thread works in, its results
-// included; pages that wait for their transaction, here and in LMDB.
+// Measured with tests/soak/ingest.sh: the program and its libraries; one thread with its results; pages that wait for
+// their transaction, here and in LMDB.
 constexpr std::uint64_t kProgram = 80 * kMiB, kThread = 56 * kMiB, kWriting = 56 * kMiB;
 
-/// Posts, errors and holds of every 64th sample.
+/// Memory for the posts: heights, errors and voids of every 64th sample.
 std::uint64_t coarse_bytes(GridRect extent) {
   return static_cast<std::uint64_t>(extent.samples() / (kBlockSide * kBlockSide) * 48) + kMiB;
 }
@@ -27,9 +27,9 @@ WorkingMemory budget_for(std::uint64_t memory_bytes, int threads, GridRect exten
                          std::uint64_t block_bytes) {
   WorkingMemory budget;
   budget.gdal_cache_bytes = std::clamp(memory_bytes / 8, 16 * kMiB, 256 * kMiB);
-  // One panel is worked on, the next is read, and what the two share is copied.
+  // Two panels, the current and the next, and a copy of the rows that they share.
   const auto needed = [&](unsigned crew, std::int32_t across) {
-    // GDAL holds a block as it was read and as samples, beside what its cache may keep.
+    // GDAL holds a block twice, as read and as samples, besides its cache.
     return kProgram + kWriting + 2 * block_bytes + budget.gdal_cache_bytes + coarse_bytes(extent) + crew * kThread +
            3 * window_bytes(across, bytes_a_code);
   };
@@ -38,13 +38,13 @@ WorkingMemory budget_for(std::uint64_t memory_bytes, int threads, GridRect exten
     if (block_bytes > 64 * kMiB) {
       throw Failure(
           Cause::invalid_argument,
-          fmt::format("a limit of {} bytes of memory: an input comes in blocks of {} MiB, each read as a whole, "
-                      "and needs {} MiB at least; or cut it into smaller ones: gdal_translate -co TILED=YES",
+          fmt::format("a limit of {} bytes of memory is too small: an input has blocks of {} MiB, and each is read as "
+                      "a whole. Allow at least {} MiB, or write the input in tiles (gdal_translate -co TILED=YES)",
                       memory_bytes, block_bytes / kMiB, needed(1, 1) / kMiB + 1));
     }
     throw Failure(Cause::invalid_argument,
-                  fmt::format("a limit of {} bytes of memory: {} × {} samples need {} MiB at least", memory_bytes,
-                              extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
+                  fmt::format("a limit of {} bytes of memory is too small: {} × {} samples need {} MiB at least",
+                              memory_bytes, extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
   }
   budget.threads = static_cast<unsigned>(threads_or_all(threads));
   while (budget.threads > 1 && needed(budget.threads, 1) > memory_bytes) --budget.threads;

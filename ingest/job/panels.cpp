@@ -5,11 +5,12 @@
 #include <variant>
 
 #include "engine/machine/large_memory.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 
 namespace talus {
 namespace {
 
-/// Copies a rectangle that lies in both.
+/// Copies a rectangle that lies in both regions.
 template <class T>
 void copy(const std::vector<T>& from, GridRect from_region, std::vector<T>& to, GridRect to_region, GridRect part) {
   const auto cols = static_cast<std::ptrdiff_t>(part.cols());
@@ -20,7 +21,7 @@ void copy(const std::vector<T>& from, GridRect from_region, std::vector<T>& to, 
   }
 }
 
-/// `to` has room for voids if `from` has any.
+/// Copies a rectangle. If `from` has a mask, `to` must have one.
 void copy(const Window& from, Window& to, GridRect part) {
   std::visit(
       [&](auto& codes) {
@@ -37,7 +38,7 @@ void copy(const Window& from, Window& to, GridRect part) {
   }
 }
 
-/// Makes a window one of another's kind of codes. `masked`: with room for voids. What it holds is anything.
+/// Sets a window's region and the kind of its codes; `masked`: with a mask. The content is arbitrary.
 void prepare(Window& window, const Window& other, GridRect region, bool masked) {
   window.region = region;
   const auto n = static_cast<std::size_t>(region.samples());
@@ -100,7 +101,8 @@ const Window& PanelReader::read(const Panel& panel) {
     window.region = {{0, 0}, {-1, -1}};
     return window;
   }
-  const auto own = [&](GridRect part) {  // row by row once, without the columns of panels beside
+  // Each row belongs to one window only, and so do the columns of neighbouring panels.
+  const auto own = [&](GridRect part) {
     return GridRect{{panel.first_col, part.first.row}, {panel.last_col, part.last.row}};
   };
   const bool shares = before.region.first.col == w.first.col && before.region.last.col == w.last.col &&

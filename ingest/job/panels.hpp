@@ -1,5 +1,5 @@
 #pragma once
-// How a raster goes through memory: panels, rows of tiles as wide as memory allows.
+// Panels: rows of tiles, as wide as memory allows.
 
 #include <functional>
 #include <utility>
@@ -10,36 +10,36 @@
 
 namespace talus {
 
-/// Reads a rectangle into a window that was used before; `own` is the part that no other call has as its own. One call
-/// at a time.
+/// Reads a rectangle into a window that may have been used before. No other call has the same samples in `own`. One
+/// call at a time.
 using ReadWindow = std::function<void(Window& into, GridRect part, GridRect own)>;
 
 struct Panel {
-  std::vector<TileId> tiles;                  ///< beside each other, west to east
-  GridRect window;                            ///< what they are computed from
-  std::int32_t first_col = 0, last_col = -1;  ///< the columns that are theirs
+  std::vector<TileId> tiles;                  ///< side by side, west to east
+  GridRect window;                            ///< the samples that they depend on
+  std::int32_t first_col = 0, last_col = -1;  ///< the panel's own columns
 };
 
-/// The tiles of an extent: all whose square holds a sample or lies within a block of one, where vertices beyond the
-/// extent pass errors on.
+/// The tiles of an extent. Their squares hold a sample, or lie within a block of one: vertices beyond the extent pass
+/// errors on.
 [[nodiscard]] GridRect tiles_of(GridRect extent);
 
-/// Panels of at most `tiles_across` tiles; down one column of panels, then down the next, so that a panel's window
-/// shares its first rows with the one before.
+/// Panels of at most `tiles_across` tiles, column by column of panels, so that a panel shares its first rows with the
+/// panel before.
 [[nodiscard]] std::vector<Panel> panels_of(GridRect extent, std::int32_t tiles_across);
 
-/// Which of the types of Codes the samples of a source type come in, and its size.
+/// The kind of codes (index in Codes) for the samples of a source type.
 [[nodiscard]] std::size_t code_kind(const Description& source);
 [[nodiscard]] std::size_t code_bytes(std::size_t kind);
 
-/// Bytes of memory for the window of a panel.
+/// Memory for the window of a panel.
 [[nodiscard]] std::uint64_t window_bytes(std::int32_t tiles_across, std::size_t bytes_a_code);
 
-/// Windows of panels, one after the other, in the same memory: fresh memory costs as much as reading into it.
+/// Reads the windows of panels one after the other into the same memory, which is faster than fresh memory.
 class PanelReader {
  public:
   explicit PanelReader(ReadWindow read) : read_(std::move(read)) {}
-  /// Rows that the window shares with the one before are copied. It stays until the next call but one.
+  /// Rows that the window shares with the one before are copied. It is valid until the next call but one.
   const Window& read(const Panel& panel);
 
  private:
@@ -48,7 +48,7 @@ class PanelReader {
   int last_ = 0;
 };
 
-/// The part of a window that one tile is computed from.
+/// Copies the part of a window that a tile depends on.
 void cut(const Window& window, GridRect part, Window& into);
 
 }  // namespace talus

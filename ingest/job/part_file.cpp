@@ -26,8 +26,7 @@ namespace fs = std::filesystem;
   throw Failure(cause, fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)), file);
 }
 
-/// A mistyped command must not replace somebody's raster: only files with a header of our kind, of whatever version,
-/// are overwritten.
+/// Only files with a header of our kind, in any version, are overwritten: a mistyped command must not replace a raster.
 bool is_a_database(const fs::path& file) {
   try {
     return ReadTxn(PageStore::open(file)).has({kHeaderTable, 0});
@@ -36,7 +35,7 @@ bool is_a_database(const fs::path& file) {
   }
 }
 
-/// Empty, or begun by LMDB: nothing else may be lost for the sake of a name.
+/// Whether the file is empty or was begun by LMDB. No other file is overwritten.
 bool is_unfinished_database(int handle) {
   std::array<unsigned char, 20> head{};
   const ssize_t got = ::pread(handle, head.data(), head.size(), 0);
@@ -49,14 +48,14 @@ bool is_same_file(const struct stat& a, const struct stat& b) { return a.st_dev 
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-/// The database may be made or replaced under this name.
-/// returns  what stands there now
+/// Refuses if the database must not be made or replaced under this name.
+/// returns  the file that has the name now
 std::optional<FileState> require_replaceable(const fs::path& database, const fs::path& target, bool overwrite) {
   std::error_code ignored;
   const fs::file_status status = fs::status(target, ignored);
   if (database.filename().empty() || fs::is_directory(status)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("{}: a folder; a database is one file, name it", database.string()), database);
+                  fmt::format("{}: is a folder. Name a file: a database is one file", database.string()), database);
   }
   if (!fs::exists(status)) return std::nullopt;
   if (!overwrite) {
@@ -66,21 +65,20 @@ std::optional<FileState> require_replaceable(const fs::path& database, const fs:
                   database);
   }
   if (!fs::is_regular_file(status) || !is_a_database(target)) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{}: exists and is no sound Talus database; it is left alone, remove it or choose another name",
-                    database.string()),
-        database);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{}: exists, but is damaged or not a Talus database. Remove it or choose another name",
+                              database.string()),
+                  database);
   }
   struct stat about {};
   if (::stat(target.c_str(), &about) != 0) fail(database, errno);
   const auto mode = about.st_mode & 07777u;
-  // Root may write everything: what the file itself says counts as well.
+  // Root may write every file, so the mode counts as well.
   if ((mode & 0222u) == 0 || ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
-    throw Failure(Cause::io,
-                  fmt::format("{}: is write-protected (mode {:04o}); it is left alone. Allow writing to it first",
-                              database.string(), mode),
-                  database);
+    throw Failure(
+        Cause::io,
+        fmt::format("{}: is write-protected (mode {:04o}). Allow writing to it first", database.string(), mode),
+        database);
   }
   return state_of(target);
 }
@@ -89,7 +87,7 @@ std::optional<FileState> require_replaceable(const fs::path& database, const fs:
 
 fs::path followed(const fs::path& name) {
   fs::path at = name;
-  constexpr int kMostLinks = 40;  // as the system has it
+  constexpr int kMostLinks = 40;  // the system's own limit
   for (int i = 0; i < kMostLinks; ++i) {
     std::error_code error;
     if (!fs::is_symlink(fs::symlink_status(at, error))) return at;
@@ -97,14 +95,14 @@ fs::path followed(const fs::path& name) {
     if (error) throw Failure(Cause::io, fmt::format("{}: {}", at.string(), error.message()), name);
     at = to.is_absolute() ? to : at.parent_path() / to;
   }
-  throw Failure(Cause::invalid_argument, fmt::format("{}: symbolic links that lead in a circle", name.string()), name);
+  throw Failure(Cause::invalid_argument, fmt::format("{}: its symbolic links lead in a circle", name.string()), name);
 }
 
 fs::path unfinished_file(const fs::path& database) { return followed(database).string() + ".part"; }
 
 PartFile::PartFile(fs::path database, bool overwrite, Left left)
     : database_(std::move(database)), target_(followed(database_)), part_(unfinished_file(database_)) {
-  look_at_database(overwrite);  // before anything is made; once more when nobody else can change it
+  look_at_database(overwrite);  // once now, and again under the lock
   lock();
   try {
     look_at_database(overwrite);
@@ -117,7 +115,7 @@ PartFile::PartFile(fs::path database, bool overwrite, Left left)
   }
 }
 
-/// Another writer may publish or remove the file between open and lock: then this is no longer the one of that name.
+/// Another process may rename or remove the file between open and lock; then the lock is on the wrong file.
 void PartFile::lock() {
   constexpr int kTries = 1000;
   for (int i = 0; i < kTries; ++i) {
@@ -127,24 +125,28 @@ void PartFile::lock() {
     }, named{};
     if (::fstat(handle_, &locked) != 0 || !S_ISREG(locked.st_mode)) {
       ::close(handle_);
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{}: is no file; the work needs this name, so move it away", part_.string()), part_);
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}: is not a file, but Talus needs this name for its work. Move it away", part_.string()),
+          part_);
     }
     if (::flock(handle_, LOCK_EX | LOCK_NB) != 0) {
       ::close(handle_);
       throw Failure(
           Cause::invalid_argument,
-          fmt::format("{}: another ingest or update is at work on it; try again when it is done", part_.string()),
+          fmt::format("{}: another ingest or update is writing it. Try again when that has ended", part_.string()),
           part_);
     }
     if (::stat(part_.c_str(), &named) == 0 && is_same_file(locked, named)) {
-      keep_ = true;  // until it is known that nothing in it is worth anything
+      keep_ = true;  // until we know that it is worthless
       if (::fstat(handle_, &locked) == 0 && locked.st_size == 0) keep_ = false;
       return;
     }
     ::close(handle_);
   }
-  throw Failure(Cause::io, fmt::format("{}: is replaced again and again by other programs", part_.string()), part_);
+  throw Failure(Cause::io,
+                fmt::format("{}: other programs keep replacing it. Try again when they have ended", part_.string()),
+                part_);
 }
 
 void PartFile::look_at_database(bool overwrite) { replaced_ = require_replaceable(database_, target_, overwrite); }
@@ -153,7 +155,7 @@ void PartFile::look_at_left(Left left) {
   const bool is_ours = is_unfinished_database(handle_);
   if (!is_ours && left == Left::resume) {
     throw Failure(Cause::corrupt,
-                  fmt::format("{}: is damaged, or is not what an ingest left; move it away and start again without "
+                  fmt::format("{}: is damaged, or was not written by an ingest. Move it away and start again without "
                               "IngestOptions::resume",
                               part_.string()),
                   part_);
@@ -161,7 +163,7 @@ void PartFile::look_at_left(Left left) {
   if (!is_ours) {
     throw Failure(
         Cause::invalid_argument,
-        fmt::format("{}: exists and is not what an ingest left behind; the work needs this name, so move it away",
+        fmt::format("{}: exists and was not written by an ingest, but Talus needs this name for its work. Move it away",
                     part_.string()),
         part_);
   }
@@ -177,9 +179,10 @@ void PartFile::look_at_left(Left left) {
     if (left == Left::resume && work.kind == LeftWork::Kind::update) {
       throw Failure(
           Cause::invalid_argument,
-          fmt::format("{}: is what an interrupted update left ({}); no ingest goes on with it. The database is as "
-                      "it was before: leave out IngestOptions::resume",
-                      part_.string(), work.title),
+          fmt::format(
+              "{}: is from an interrupted update ({}), which cannot be resumed. The database is unchanged. Start "
+              "again without IngestOptions::resume",
+              part_.string(), work.title),
           part_);
     }
     if (left == Left::resume) {
@@ -190,7 +193,7 @@ void PartFile::look_at_left(Left left) {
     if (work.tiles > 0 && !is_worthless) {
       throw Failure(
           Cause::invalid_argument,
-          fmt::format("{}: holds an interrupted ingest; go on with it by IngestOptions::resume, or start anew by "
+          fmt::format("{}: holds an interrupted ingest. Continue it with IngestOptions::resume, or start again with "
                       "IngestOptions::overwrite",
                       part_.string()),
           part_);
@@ -206,12 +209,10 @@ void PartFile::take_owner_and_mode() const {
   if (::stat(target_.c_str(), &theirs) != 0 || ::fstat(handle_, &ours) != 0) fail(database_, errno);
   const bool same_owner = theirs.st_uid == ours.st_uid && theirs.st_gid == ours.st_gid;
   if (!same_owner && ::fchown(handle_, theirs.st_uid, theirs.st_gid) != 0) {
-    throw Failure(
-        Cause::io,
-        fmt::format("{}: belongs to user {}, group {}, and only they or root can replace it and keep that; it is "
-                    "left alone",
-                    database_.string(), theirs.st_uid, theirs.st_gid),
-        database_);
+    throw Failure(Cause::io,
+                  fmt::format("{}: belongs to user {}, group {}. Only they or root can replace it and keep the owner",
+                              database_.string(), theirs.st_uid, theirs.st_gid),
+                  database_);
   }
   if (::fchmod(handle_, theirs.st_mode & 07777u) != 0) fail(part_, errno);
 }
@@ -257,7 +258,7 @@ void PartFile::require_database_unchanged() const {
     if (f.cause() != Cause::not_found) throw;
   }
   if (now && replaced_) {
-    now->changed_ns = replaced_->changed_ns;  // a new link or mode is no new content
+    now->changed_ns = replaced_->changed_ns;  // a new link or mode does not change the content
   }
   if (now == replaced_) return;
   const char* what = !replaced_ ? "was made" : !now ? "was removed" : "was replaced or changed";
@@ -273,22 +274,24 @@ void PartFile::publish() {
   struct stat locked {
   }, named{};
   if (::fstat(handle_, &locked) != 0 || ::stat(part_.c_str(), &named) != 0 || !is_same_file(locked, named)) {
-    keep_ = true;  // it is not this one's to remove
+    keep_ = true;  // it belongs to another program
     throw Failure(
         Cause::io,
-        fmt::format("{}: was removed or replaced by another program meanwhile; nothing was changed", part_.string()),
+        fmt::format(
+            "{}: was removed or replaced by another program meanwhile; nothing was changed. Run the command again",
+            part_.string()),
         part_);
   }
   require_database_unchanged();
   int renamed = -1;
-  if (!replaced_) {  // what has come there since is not replaced
+  if (!replaced_) {  // a file that was made meanwhile is not replaced
     renamed = ::renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE);
     if (renamed != 0 && errno == EEXIST) require_database_unchanged();
   }
   if (renamed != 0 && ::rename(part_.c_str(), target_.c_str()) != 0) fail(database_, errno);
   keep_ = true;
   if (const int handle = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); handle >= 0) {
-    ::fsync(handle);  // the new name, too, survives a power cut
+    ::fsync(handle);  // so that the new name survives a power cut
     ::close(handle);
   }
 }
@@ -302,14 +305,13 @@ void require_target(const fs::path& database, bool overwrite, std::uint64_t byte
                   fmt::format("{}: there is no folder {}; make it first", database.string(), folder.string()), folder);
   }
   if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
-    throw Failure(
-        Cause::io,
-        fmt::format("{}: nothing can be written in {}: {}", database.string(), folder.string(), std::strerror(errno)),
-        folder);
+    throw Failure(Cause::io,
+                  fmt::format("{}: cannot write in {}: {}", database.string(), folder.string(), std::strerror(errno)),
+                  folder);
   }
   const fs::space_info space = fs::space(folder, error);
   std::error_code none;
-  const auto left = fs::file_size(part, none);  // is used again or replaced
+  const auto left = fs::file_size(part, none);  // will be reused or replaced
   const std::uint64_t room = error ? bytes : space.available + (none ? 0 : left);
   if (room < bytes) {
     throw Failure(Cause::full,

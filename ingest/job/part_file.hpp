@@ -1,5 +1,5 @@
 #pragma once
-// The file an ingest, an update or a compaction works in until it is whole.
+// The working file of an ingest, an update or a compaction.
 
 #include <filesystem>
 #include <optional>
@@ -9,40 +9,41 @@
 
 namespace talus {
 
-/// `database`.part: held against other writers; removed at the end unless published or kept. Where `database` is a
-/// symbolic link, the file that it leads to is meant: the link stays.
+/// The file `database`.part, locked against other writers. It is removed at the end unless it is published or kept.
+/// If `database` is a symbolic link, the file it leads to is replaced and the link stays.
 class PartFile {
  public:
-  /// What to do with work that an interrupted ingest left. What an update or a compaction left is worth nothing
-  /// beside the database: it is replaced by all but `resume`.
+  /// Whether to refuse, replace or resume the work of an interrupted ingest. Work of an interrupted update or
+  /// compaction is worthless: only `resume` does not replace it.
   enum class Left { refuse, replace, resume };
 
-  /// Locks the file, makes it if need be, and only then looks at it and at the database.
-  /// fails  invalid_argument: the database exists and may not be overwritten or is no database at all; the working
-  ///        name is another writer's, somebody's file or, with `refuse`, an interrupted ingest's, or with `resume` an
-  ///        interrupted update's; corrupt: with `resume`, what was left is damaged; not_found: no such folder; io: the
-  ///        database is write-protected or another user's
+  /// Makes and locks the file, then checks it and the database.
+  ///
+  /// fails  invalid_argument: the database exists and may not be overwritten, or is not a database; another process
+  ///        writes; the working file is not ours, or holds an interrupted ingest (`refuse`) or update (`resume`)
+  ///        corrupt: the work to resume is damaged; not_found: no such folder
+  ///        io: the database is write-protected or belongs to another user
   PartFile(std::filesystem::path database, bool overwrite, Left left);
   ~PartFile();
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return part_; }
-  /// The database that is made or replaced, symbolic links followed.
+  /// The database to be made or replaced, symbolic links followed.
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
-  /// Work to go on with, its structure checked; empty without any. See also verify_left_work.
+  /// The work to resume, its structure checked; empty if there is none. See also verify_left_work.
   [[nodiscard]] const std::optional<LeftWork>& left() const { return left_; }
-  /// Makes it a copy of the database; shares its blocks where the file system can.
+  /// Copies the database into this file. Shares blocks where the file system can.
   void copy_database();
-  /// Writes from the file's begin: for who makes it by other means.
+  /// A handle for writing from the file's beginning.
   [[nodiscard]] int handle() const { return handle_; }
-  /// From now on it stays when the work ends before it is whole; or it goes.
+  /// Whether the file stays if the work ends early.
   void keep(bool whether = true) { keep_ = whether; }
-  /// The database is still the file that stood there when this was made.
+  /// The database is still the file that was there at the beginning.
   /// fails  io: another program has replaced, changed, removed or made it
   void require_database_unchanged() const;
-  /// Puts the file in the database's place, in one step and for good. It has the database's owner and mode.
-  /// fails  io: as require_database_unchanged, or renaming failed; full
+  /// Gives the file the database's name, owner and mode, in one step.
+  /// fails  io: as require_database_unchanged, or the system refuses; full
   void publish();
 
  private:
@@ -51,18 +52,18 @@ class PartFile {
   void look_at_left(Left left);
   void take_owner_and_mode() const;
 
-  std::filesystem::path database_, target_, part_;  // as it was named; links followed; beside the target
+  std::filesystem::path database_, target_, part_;  // as named; links followed; beside the target
   std::optional<FileState> replaced_;
   int handle_ = -1;
   bool keep_ = false;
   std::optional<LeftWork> left_;
 };
 
-/// A database's file can be made or replaced, and there is room for so many bytes. Writes nothing.
-/// fails  as PartFile; full: less room than that
+/// A database can be made or replaced, and there is room for `bytes`. Writes nothing.
+/// fails  as PartFile; full: too little room
 void require_target(const std::filesystem::path& database, bool overwrite, std::uint64_t bytes);
 
-/// The file that a name leads to, symbolic links followed, whether it exists or not.
+/// The file that a name leads to, symbolic links followed. It need not exist.
 [[nodiscard]] std::filesystem::path followed(const std::filesystem::path& name);
 
 }  // namespace talus

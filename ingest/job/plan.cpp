@@ -13,7 +13,7 @@ namespace talus {
 
 namespace {
 
-/// The options that the content depends on beyond the inputs, each as its field and its value.
+/// The options that change the content, besides the inputs: each as field and value.
 std::string typed(const IngestOptions& options) {
   const InputOptions& in = options.inputs;
   std::string text;
@@ -37,7 +37,7 @@ std::string typed(const IngestOptions& options) {
   return text;
 }
 
-// A name may hold a line's end.
+// A file name may contain line breaks.
 std::string escaped(const std::string& name) {
   std::string text;
   for (const char c : name) text += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
@@ -60,7 +60,7 @@ std::string line_of(const DigestedFile& f) {
                      f.is_young ? 1 : 0, f.digest, escaped(s.file.string()));
 }
 
-/// The plan without the lines of files.
+/// The plan without the lines about files.
 std::string asked(const std::string& plan) {
   std::string text, line;
   for (std::istringstream in(plan); std::getline(in, line);) {
@@ -128,13 +128,13 @@ std::string difference_of(const std::string& then, const std::string& now) {
     return std::none_of(files.begin(), files.end(), [&](const DigestedFile& other) { return is_alike(f, other); });
   };
   const auto gone = std::find_if(before.begin(), before.end(), [&](const auto& f) { return lacks(after, f); });
-  if (gone != before.end()) return fmt::format("{} is not among the inputs any more", gone->state.file.string());
+  if (gone != before.end()) return fmt::format("{} is missing from the inputs", gone->state.file.string());
   const auto come = std::find_if(after.begin(), after.end(), [&](const auto& f) { return lacks(before, f); });
-  if (come != after.end()) return fmt::format("{} was not among the inputs", come->state.file.string());
+  if (come != after.end()) return fmt::format("{} is a new input", come->state.file.string());
   if (asked(then) != asked(now) || before.size() != after.size())
-    return "the options or the order of inputs are others";
+    return "the options or the order of the inputs differ";
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (!is_alike(before[i], after[i])) return "the order of inputs is another";
+    if (!is_alike(before[i], after[i])) return "the order of the inputs differs";
   }
   return "";
 }

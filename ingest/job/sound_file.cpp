@@ -13,7 +13,7 @@ void require_sound_file(const std::filesystem::path& database) {
   if (finding.empty()) finding = check_seal(database);
   if (finding.empty()) return;
   throw Failure(Cause::corrupt,
-                fmt::format("corrupt: {}: is damaged: {}. It was left as it is; make it anew from its sources",
+                fmt::format("corrupt: {}: is damaged: {}. It was not changed. Ingest its sources again",
                             database.string(), finding),
                 database);
 }

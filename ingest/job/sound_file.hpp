@@ -1,11 +1,11 @@
 #pragma once
-// What is copied must be whole.
+// Checks a file before it is copied.
 
 #include <filesystem>
 
 namespace talus {
 
-/// Every byte is as it was sealed, and the file's trees hold together. Otherwise a copy would seal the damage anew.
+/// The file matches its seal, and its trees are sound. Otherwise a copy would seal the damage again.
 /// fails  corrupt; not_found, io
 /// cost   reads the file
 void require_sound_file(const std::filesystem::path& database);

@@ -1,5 +1,5 @@
 #pragma once
-// Threads that take work from one queue.
+// Threads that share a queue of work.
 
 #include <condition_variable>
 #include <deque>
@@ -12,7 +12,7 @@
 
 namespace talus {
 
-/// What is given first is begun first. Leaving it drops what was not begun and waits for what was.
+/// Work is begun in the order given. The destructor drops waiting work and waits for running work.
 class ThreadPool {
  public:
   explicit ThreadPool(unsigned threads) {
@@ -27,7 +27,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// work(number of the thread, from 0). The future holds what it returns or throws.
+  /// work(thread number, from 0). The future holds its result or its exception.
   template <class Work>
   [[nodiscard]] auto give(Work work) {
     using Result = decltype(work(0u));
@@ -58,7 +58,7 @@ class ThreadPool {
   std::mutex mutex_;
   std::condition_variable_any ready_;
   std::deque<std::function<void(unsigned)>> waiting_;
-  std::vector<std::jthread> threads_;  // last: they end before what they use
+  std::vector<std::jthread> threads_;  // last: threads end before the members they use
 };
 
 }  // namespace talus

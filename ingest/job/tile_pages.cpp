@@ -9,7 +9,8 @@ namespace {
 
 using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
 
-/// Triangles that leave the extent are never in a mesh; their bits are 1, so that pages of data only need none.
+/// The triangles of p that leave the extent. No mesh has them. Their bits are 1, so that pages without voids store
+/// none.
 std::uint8_t leaving(GridRect extent, GridPoint p) {
   const std::int32_t s = spacing(p);
   if (s == kRootSpacing) return 15;
@@ -26,7 +27,7 @@ std::uint8_t leaving(GridRect extent, GridPoint p) {
   return bits;
 }
 
-/// Heights and voids are left to the caller.
+/// Sets all but heights and voids.
 void begin_page(Page& page, PageId id, const PageMaking& making, bool voids) {
   page.id = id;
   page.bands = making.bands;
@@ -39,13 +40,14 @@ void begin_page(Page& page, PageId id, const PageMaking& making, bool voids) {
   page.children.clear();
 }
 
-/// Errors and triangles with data of the page's own vertices, by error(vertex, index) and covers(vertex, index).
-/// Returns what the page above must know.
+/// Sets errors and covers of the page's own vertices by error(vertex, index) and covers(vertex, index).
+/// returns  the child entry for the page above
 template <class Error, class Covers>
 ChildEntry complete(Page& page, const PageMaking& making, bool voids, Error&& error, Covers&& covers) {
   if (std::find(page.valid.begin(), page.valid.end(), 0) == page.valid.end()) page.valid.clear();
   ChildEntry entry = range_of(page, making.step);
-  entry.present = entry.lowest <= entry.highest || page.id.band == making.bands - 1;  // a query starts at the coarsest
+  entry.present =
+      entry.lowest <= entry.highest || page.id.band == making.bands - 1;  // queries start at the coarsest band
   if (voids) page.covers.assign(page.grid.size(), 0);
   bool covers_differ = false;
   const std::int32_t reach = band_spacing(page.id.band + 1);
@@ -57,7 +59,8 @@ ChildEntry complete(Page& page, const PageMaking& making, bool voids, Error&& er
   for (std::int32_t row = 0; row < page.grid.rows; ++row) {
     for (std::int32_t col = 0; col < page.grid.cols; ++col) {
       const GridPoint p = page.grid.at(col, row);
-      if (!coarsest && (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) == 0) continue;  // of a band above
+      if (!coarsest && (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) == 0)
+        continue;  // belongs to a band above
       const std::size_t i = page.index(col, row);
       page.errors[i] = error(p, i);
       entry.largest = std::max(entry.largest, page.errors[i]);
@@ -82,7 +85,7 @@ void with_children(Page& page, ChildEntry& entry, const Entries& below) {
   }
 }
 
-/// A page without the heights that the finest answer does not need.
+/// The page without heights that the finest answer does not need.
 Page with_kept_heights(const Page& page, const PageMaking& making) {
   Page kept = page;
   kept.drops_heights = true;
@@ -99,7 +102,7 @@ ErrorCode largest_error(const Page& page) {
 
 PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, const PageMaking& making) {
   PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance), 0};
-  // errors that no longer follow from heights may take more than those heights did
+  // Errors that no longer follow from heights may need more bytes than the heights saved.
   if (making.kept_above > 0 && page.grid.size() > 0) {
     const Page kept = with_kept_heights(page, making);
     std::vector<std::byte> content = encoder.encode(kept, making.distance);
@@ -115,7 +118,7 @@ PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, co
 
 struct ValidRange {
   std::uint64_t samples;
-  double lowest, highest;  // lowest > highest: no sample is data
+  double lowest, highest;  // lowest > highest: no valid sample
 };
 ValidRange valid_range(const Page& page) {
   std::uint64_t samples = 0;
@@ -130,10 +133,10 @@ ValidRange valid_range(const Page& page) {
   return {samples, lowest, highest};
 }
 
-/// Counts by error code, turned into counts above each rung.
+/// Counts by error code, and then the counts above each rung.
 class Histogram {
  public:
-  /// Of a page of band 0 or 1, which are never the coarsest.
+  /// Counts a page of band 0 or 1, which is never the coarsest.
   void count(const Page& page) {
     const auto own_spacing = static_cast<std::uint32_t>(band_spacing(page.id.band + 1)) - 1;
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
@@ -157,9 +160,9 @@ class Histogram {
   std::vector<std::uint32_t> by_code_ = std::vector<std::uint32_t>(kAlwaysSelected + 1u);
 };
 
-/// Every `step`-th of a row.
+/// Copies every `step`-th value of a row.
 template <class From, class To>
-void take(const From* from, std::size_t count, std::size_t step, To* to) {
+void copy_every(const From* from, std::size_t count, std::size_t step, To* to) {
   if (step == 1) {
     for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<To>(from[i]);
   } else {
@@ -187,7 +190,7 @@ class TilePacker {
     made_.summary.record = tile_.record;
     const PageId parent{1, id_.x, id_.y};
     Entries below;
-    // The children of a page are one run of the curve: 64 positions.
+    // The children of a page are 64 consecutive positions of the curve.
     std::vector<PageId> children;
     for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
       children.push_back(child_page(parent, i));
@@ -209,7 +212,7 @@ class TilePacker {
     }
     if (made_.summary.valid_samples > 0) {
       const double a = making_.step.value(lowest), b = making_.step.value(highest);
-      made_.summary.lowest = std::min(a, b);  // a negative scale turns them round
+      made_.summary.lowest = std::min(a, b);  // a negative scale swaps them
       made_.summary.highest = std::max(a, b);
     }
     const Page& page = begin(parent);
@@ -227,7 +230,7 @@ class TilePacker {
   }
 
  private:
-  /// Without any data, all halves inside the extent are void, and all vertices without a fill.
+  /// The record of a tile without data: all halves inside the extent are void, and no vertex has a fill.
   void hold_voids() {
     TileRecord& record = made_.summary.record;
     const GridPoint corner{id_.x * kTileSide, id_.y * kTileSide};
@@ -257,7 +260,7 @@ class TilePacker {
     }
   }
 
-  /// A page with its samples.
+  /// Begins a page and copies its samples.
   const Page& begin(PageId id) {
     Page& page = page_;
     begin_page(page, id, making_, !valid_.empty());
@@ -268,15 +271,15 @@ class TilePacker {
           for (std::int32_t row = 0; row < page.grid.rows; ++row) {
             const std::size_t from = index(page.grid.at(0, row)), to = page.index(0, row);
             const auto cols = static_cast<std::size_t>(page.grid.cols);
-            take(&codes[from], cols, step, &page.heights[to]);
-            if (!valid_.empty()) take(&valid_[from], cols, step, &page.valid[to]);
+            copy_every(&codes[from], cols, step, &page.heights[to]);
+            if (!valid_.empty()) copy_every(&valid_[from], cols, step, &page.valid[to]);
           }
         },
         tile_.heights);
     return page;
   }
 
-  /// Whether a sample that is data, or one that is void, lies in a page's square or `reach` cells around it.
+  /// Whether the page's square, or `reach` cells around it, has a sample with this mask value (1: valid, 0: void).
   [[nodiscard]] bool has_near(PageId id, std::int32_t reach, std::uint8_t data) const {
     const GridRect near = common(grown(page_square(id), reach), window_);
     for (std::int32_t row = near.first.row; row <= near.last.row; ++row) {
@@ -286,29 +289,29 @@ class TilePacker {
     }
     return false;
   }
-  /// Where a triangle at one of the page's own vertices can reach: twice their largest spacing.
+  /// Triangles at own vertices reach as far as twice their largest spacing.
   [[nodiscard]] bool has_voids_near(PageId id) const {
     return tile_.voids.has_value() && has_near(id, band_spacing(id.band + 1), 0);
   }
-  /// What a vertex of band 0 depends on lies less than three spacings away.
+  /// A vertex of band 0 depends on samples less than three spacings away.
   [[nodiscard]] bool is_far_from_data(PageId id) const {
     return !valid_.empty() && !has_near(id, 2 * band_spacing(1), 1);
   }
 
   [[nodiscard]] ChildEntry finish() {
     const bool voids = has_voids_near(page_.id);
-    take_errors();
+    copy_errors();
     return complete(
         page_, making_, voids, [&](GridPoint, std::size_t i) { return page_.errors[i]; },
         [&](GridPoint p, std::size_t) { return tile_.voids->apex_triangles_with_data(p); });
   }
 
-  /// Level by level, rows at a time: a level's rows have zeros where coarser vertices stand, which come later.
-  void take_errors() {
+  /// Copies errors level by level. A level has zeros at coarser vertices, so coarser levels come later.
+  void copy_errors() {
     const PageGrid& grid = page_.grid;
     for (int shift = grid.shift; shift < grid.shift + kBandLevels; ++shift) {
       const auto level = tile_.errors.units(shift);
-      const int finer = shift - grid.shift;  // a vertex of the level is one of the page's of that many levels below
+      const int finer = shift - grid.shift;  // log2 of the level's step on the page's grid
       const std::int32_t step = 1 << finer;
       const GridPoint first{(grid.first.col + step - 1) >> finer, (grid.first.row + step - 1) >> finer};
       const GridPoint last{(grid.first.col + grid.cols - 1) >> finer, (grid.first.row + grid.rows - 1) >> finer};
@@ -321,7 +324,7 @@ class TilePacker {
     }
   }
 
-  /// Every 64th sample, out of the page of band 1, which has every 8th.
+  /// Keeps every 64th sample. The page of band 1 has every 8th.
   void keep_posts(const Page& page) {
     constexpr std::int32_t kStep = kBlockSide >> band_shift(1);
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {

@@ -1,5 +1,5 @@
 #pragma once
-// From settled errors to the bytes of pages.
+// Makes the bytes of pages from errors.
 
 #include <functional>
 #include <unordered_map>
@@ -11,14 +11,14 @@
 
 namespace talus {
 
-/// What all pages of a database have in common.
+/// Facts that all pages of a database share.
 struct PageMaking {
   GridRect extent;
   HeightStep step;
   CodeDistance distance;
   int bands = kFewestBands;
-  double kept_above = 0;  ///< see Description
-  /// The generation a page is stored with: that of the page it replaces if the bytes are the same.
+  double kept_above = 0;  ///< Description::kept_above
+  /// The generation of a page: that of the page it replaces if the bytes are the same.
   std::function<std::uint32_t(PageKey, std::span<const std::byte>)> generation;
 };
 
@@ -29,22 +29,21 @@ struct PageBytes {
 };
 
 struct TilePages {
-  std::vector<PageBytes> pages;  ///< band 0 in curve order, then the page of band 1; none where there is no data
+  std::vector<PageBytes> pages;  ///< band 0 in curve order, then the page of band 1; no page without data
   TileSummary summary;
 };
 
-/// What packing works in, to be used again. No result depends on what it holds.
+/// Memory for packing, used again for each tile. Results do not depend on its content.
 struct TilePacking {
   PageEncoder encoder;
   Page page;
 };
 
-/// The pages and the summary of a tile; `valid` over its window, empty: all data. About 30 ns a sample.
+/// The pages and the summary of a tile. `valid`: mask of its window; empty if all are valid. About 30 ns a sample.
 [[nodiscard]] TilePages pack_tile(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid,
                                   const PageMaking& making, TilePacking& memory);
 
-/// Hands out the pages of bands 2 and above, each after those below it. `entries`: of the pages of band 1, by position
-/// on the curve.
+/// Passes on the pages of bands 2 and above, finer bands first. `entries`: child entries of band 1 by curve position.
 void pack_coarse(const CoarseLevels& levels, std::unordered_map<std::uint64_t, ChildEntry> entries,
                  const PageMaking& making, const std::function<void(PageBytes)>& take);
 

@@ -19,12 +19,11 @@ std::optional<GridRect> place_on(const GridMapping& grid, const RasterFacts& ras
   if (!(off + drift <= kOnTheGrid)) return std::nullopt;
   constexpr double kFar = kMaxExtent;
   if (std::abs(col) > kFar || std::abs(row) > kFar) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} lies {} columns and {} rows away from the first sample of its grid; at most {} a side "
-                    "can be taken in",
-                    raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent),
-        raster.name);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} lies {} columns and {} rows away from the first sample of its grid, but a database "
+                              "has at most {} a side",
+                              raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent),
+                  raster.name);
   }
   const GridPoint at{static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
   return GridRect{at, {at.col + raster.cols - 1, at.row + raster.rows - 1}};
@@ -41,7 +40,7 @@ namespace {
 struct Lying {
   std::size_t index;
   std::int64_t first, last;
-  std::int64_t turns = 0;  // to the east
+  std::int64_t turns = 0;  // full turns to move east
 };
 
 }  // namespace
@@ -53,7 +52,7 @@ std::vector<std::size_t> join_across_antimeridian(const std::vector<GridRect*>& 
   const auto on_circle = [&](const Lying& l) { return ((l.first % turn) + turn) % turn; };
   std::sort(all.begin(), all.end(), [&](const Lying& a, const Lying& b) { return on_circle(a) < on_circle(b); });
 
-  // The widest gap lies before the raster that the line begins with.
+  // The widest gap lies west of the raster at `begin`.
   std::size_t begin = 0;
   std::int64_t widest = -1, reached = -turn;
   for (const Lying& l : all) reached = std::max(reached, on_circle(l) + l.last - l.first - turn);
@@ -61,7 +60,7 @@ std::vector<std::size_t> join_across_antimeridian(const std::vector<GridRect*>& 
     if (const std::int64_t gap = on_circle(all[i]) - reached; gap > widest) widest = gap, begin = i;
     reached = std::max(reached, on_circle(all[i]) + all[i].last - all[i].first);
   }
-  if (widest <= 1) return {};  // they go all the way round
+  if (widest <= 1) return {};  // they go around the globe
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(begin), all.end());
   std::int64_t lap = 0, before = -1, anchor_turns = 0;
   for (Lying& l : all) {
@@ -74,7 +73,7 @@ std::vector<std::size_t> join_across_antimeridian(const std::vector<GridRect*>& 
   for (std::size_t i = 0; i < all.size(); ++i) {
     Lying& l = all[i];
     const std::int64_t from = l.first + l.turns * turn, to = l.last + l.turns * turn;
-    if (i > 0 && l.turns != all[i - 1].turns && from > end + 1) return {};  // they do not touch
+    if (i > 0 && l.turns != all[i - 1].turns && from > end + 1) return {};  // neighbours do not touch
     end = i == 0 ? to : std::max(end, to);
   }
   if (end - (all.front().first + all.front().turns * turn) >= turn / 2) return {};
@@ -95,9 +94,13 @@ std::vector<std::size_t> join_across_antimeridian(const std::vector<GridRect*>& 
   return moved;
 }
 
+std::string name_of_all(const std::string& first, std::size_t count) {
+  return count == 1 ? first : fmt::format("{} and {} more", first, count - 1);
+}
+
 std::string note_of_turn(const std::string& name, std::size_t moved) {
-  return fmt::format("{}{}: placed a full turn further, to join its neighbours across the antimeridian", name,
-                     moved == 1 ? "" : fmt::format(" and {} more", moved - 1));
+  return fmt::format("{}: moved by a full turn of longitude, to join {} neighbours across the antimeridian",
+                     name_of_all(name, moved), moved == 1 ? "its" : "their");
 }
 
 }  // namespace talus

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_young(const FileState& state) {
-  constexpr std::int64_t kCoarsest = 2'000'000'000;  // ns: the coarsest times that file systems keep
+  constexpr std::int64_t kCoarsest = 2'000'000'000;  // ns: the coarsest times of any file system
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t now_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
   return std::max(state.modified_ns, state.changed_ns) > now_ns - kCoarsest;
@@ -58,7 +58,7 @@ InputFiles::InputFiles(const Source& source, const std::vector<DigestedFile>& kn
       const bool is_known = before != vouched.end() && before->second->state == file;
       files_.push_back(is_known ? *before->second : digested(file, tell));
       if (is_known) continue;
-      if (state_now(file) != file) fail(file, "was written to");  // its header may have been another
+      if (state_now(file) != file) fail(file, "was written to");  // it may have had another header
     }
   }
 }
@@ -83,7 +83,7 @@ FileState InputFiles::state_now(const FileState& then) {
   try {
     return state_of(then.file);
   } catch (const Failure& f) {
-    if (f.cause() == Cause::not_found) fail(then, "is not there any more");
+    if (f.cause() == Cause::not_found) fail(then, "was removed");
     throw;
   }
 }
@@ -117,11 +117,11 @@ void InputFiles::require_unchanged(const std::function<void()>& tell) {
     std::set<fs::path> then, found;
     for (const std::size_t file : of_input_[i]) then.insert(files_[file].state.file);
     for (const FileState& file : now) {
-      if (!then.contains(file.file)) fail(file, "was not there when the work began");
+      if (!then.contains(file.file)) fail(file, "is a new file");
       found.insert(file.file);
     }
     for (const std::size_t file : of_input_[i]) {
-      if (!found.contains(files_[file].state.file)) fail(files_[file].state, "is not used any more");
+      if (!found.contains(files_[file].state.file)) fail(files_[file].state, "is no longer part of the input");
     }
     tell();
   }

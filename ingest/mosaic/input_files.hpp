@@ -1,5 +1,5 @@
 #pragma once
-// The files that inputs are read from, and whether they are still the same.
+// The files behind the inputs, and whether they have changed.
 
 #include <cstdint>
 #include <functional>
@@ -12,37 +12,37 @@
 
 namespace talus {
 
-/// A file and the XXH3 of its bytes.
+/// A file and the XXH3 digest of its bytes.
 struct DigestedFile {
   FileState state;
-  /// It was written so shortly before that a second write could have left the same times: they vouch for nothing.
+  /// Written so shortly before it was read that a second write could have the same times.
   bool is_young = false;
   std::uint64_t digest = 0;
 };
 
 /// All files behind all inputs, as they were before the first sample was read.
 ///
-/// Each file is read once for its digest. Later looks compare what the system says of the file, and read it again only
-/// where that differs: other times over the same bytes change nothing.
+/// Each file is read once for its digest. Later checks compare its state, and read it again only if the state differs:
+/// new times over the same bytes are no change.
 class InputFiles {
  public:
-  /// known  files with digests of an earlier run: those that did not change since are not read again
+  /// known  files with digests of an earlier run; unchanged ones are not read again
   /// tell   called every few megabytes; may throw
   /// fails  not_found, io: names the file
-  /// cost   reads every byte of every other file
+  /// cost   reads every byte of all other files
   InputFiles(const Source& source, const std::vector<DigestedFile>& known, const std::function<void()>& tell);
 
-  /// In the order in which they are found, each once.
+  /// Each file once, in the order found.
   [[nodiscard]] const std::vector<DigestedFile>& files() const { return files_; }
-  /// Of an input: the digest of its file. Of several: XXH3 over their digests, each as 8 bytes, big endian.
+  /// The digest of an input's file. If it has several: XXH3 over their digests, each as 8 bytes, big endian.
   [[nodiscard]] std::uint64_t checksum(std::size_t input) const;
-  /// A later look has found that a file changed.
+  /// Whether a check has found a changed file.
   [[nodiscard]] bool is_changed() const { return is_changed_; }
 
-  /// Looks again at the files of inputs with samples in a rectangle: what was just read from them is what was digested.
-  /// fails  io: a file was changed or removed; names it and says what changed
+  /// Checks the files of inputs with samples in a rectangle.
+  /// fails  io: a file was changed or removed; names it and the change
   void require_unchanged(GridRect part);
-  /// Looks at all again, and whether a file has come or gone. Files that were young are read again.
+  /// Checks all files, and whether a file was added or removed. Reads young files again.
   void require_unchanged(const std::function<void()>& tell);
 
  private:
@@ -56,7 +56,7 @@ class InputFiles {
   bool is_changed_ = false;
 };
 
-/// How a file differs from what it was: "has 120 bytes, had 100" or "has other content since 2026-05-13 14:03:20".
+/// How a file has changed: "has 120 bytes, had 100" or "has other content, written 2026-05-13 14:03:20"; empty if not.
 [[nodiscard]] std::string difference_of(const DigestedFile& then, const DigestedFile& now);
 
 }  // namespace talus

@@ -19,7 +19,7 @@ constexpr int kBlockSide = 256;
 
 class LaidDataset;
 
-/// One band of the dataset; the mask of the first is a band, too.
+/// A band of the dataset, or the mask of its first band.
 class LaidBand : public GDALRasterBand {
  public:
   enum class Kind { samples, mask, owner };
@@ -73,7 +73,7 @@ class LaidDataset : public GDALDataset {
     std::vector<std::uint8_t> valid;
     std::vector<std::int32_t> owner;
   };
-  /// The block as it is laid, the last one kept: a sample is asked for as height, mask and owner. Null where it fails.
+  /// Lays a block, unless it is the last one: GDAL asks for its samples, mask and owners in turn. Null if that fails.
   const Block* block(int x, int y) noexcept {
     if (block_.x == x && block_.y == y) return &block_;
     try {
@@ -103,8 +103,7 @@ class LaidDataset : public GDALDataset {
         first,
         {std::min(first.col + kBlockSide - 1, part_.last.col), std::min(first.row + kBlockSide - 1, part_.last.row)}};
     for (std::size_t i = 0; i < laid_.members.size(); ++i) {
-      const GridRect& place = laid_.members[i].place;
-      const GridRect rect = common(place, square);
+      const GridRect rect = common(laid_.members[i].place, square);
       if (is_empty(rect)) continue;
       const auto samples = static_cast<std::size_t>(rect.samples());
       read_.resize(samples);
@@ -115,7 +114,7 @@ class LaidDataset : public GDALDataset {
     }
   }
 
-  /// A void covers nothing, but where nothing else lies it is this member's.
+  /// Copies a member's valid samples. It owns its void samples only where no other member is valid.
   void lay_member(std::int32_t number, GridRect rect, GridPoint first) {
     std::size_t from = 0;
     for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
@@ -157,7 +156,7 @@ LaidBand::LaidBand(LaidDataset& dataset, int number, Kind kind, GDALDataType typ
 CPLErr LaidBand::IReadBlock(int x, int y, void* to) {
   const LaidDataset::Block* block = laid_.block(x, y);
   if (block == nullptr) {
-    CPLError(CE_Failure, CPLE_FileIO, "a raster that is laid here cannot be read");
+    CPLError(CE_Failure, CPLE_FileIO, "a raster under this dataset cannot be read");
     return CE_Failure;
   }
   constexpr int kSamples = kBlockSide * kBlockSide;
@@ -172,7 +171,7 @@ CPLErr LaidBand::IReadBlock(int x, int y, void* to) {
   return CE_None;
 }
 
-/// Where one raster lies on its own grid, alone.
+/// A single raster on its own grid.
 LaidRasters alone(const RasterFacts& raster) {
   LaidRasters laid;
   laid.members.push_back(raster);
@@ -191,13 +190,12 @@ LaidRasters alone(const RasterFacts& raster) {
   return laid;
 }
 
-void settle_extent(LaidRasters& laid) {
+void measure_extent(LaidRasters& laid) {
   GridRect all = laid.members.front().place;
   for (const RasterFacts& member : laid.members) {
-    all.first = {std::min(all.first.col, member.place.first.col), std::min(all.first.row, member.place.first.row)};
-    all.last = {std::max(all.last.col, member.place.last.col), std::max(all.last.row, member.place.last.row)};
+    all = around(all, member.place);
     if (member.type == laid.type && member.scale == laid.scale && member.offset == laid.offset) continue;
-    laid.type = GDT_Float64;  // heights, for the samples do not mean the same
+    laid.type = GDT_Float64;  // heights: the members' numbers have different scales
     laid.scale = 1;
     laid.offset = 0;
   }
@@ -232,7 +230,7 @@ std::vector<LaidRasters> laid_together(const std::vector<RasterFacts>& rasters, 
     const std::vector<std::size_t> moved =
         join_across_antimeridian(places, columns_of_a_turn(laid.crs_wkt, laid.mapping));
     if (!moved.empty()) notes.push_back(note_of_turn(laid.members[moved.front()].name, moved.size()));
-    settle_extent(laid);
+    measure_extent(laid);
   }
   return sets;
 }

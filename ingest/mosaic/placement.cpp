@@ -28,7 +28,7 @@ bool asks_for_resampling(const InputOptions& options) {
 
 std::string cells_of(const GridMapping& m) { return fmt::format("{} x {} at {}, {}", m.dx, -m.dy, m.x0, m.y0); }
 
-/// Many files say the same of themselves: one comparison a text.
+/// Compares with one text. Many files have equal texts, so each is compared once.
 class Comparison {
  public:
   explicit Comparison(std::string reference) : reference_(std::move(reference)) {}
@@ -47,8 +47,8 @@ class Comparison {
 struct Target {
   GridMapping mapping;
   std::string crs_wkt;   // heights included
-  std::string flat_wkt;  // without
-  std::string whose;     // the grid is, in failures
+  std::string flat_wkt;  // without heights
+  std::string whose;     // the grid's owner, for failures
   double metres_per_unit;
   std::string vertical_unit;
 };
@@ -68,7 +68,7 @@ GridMapping cells_for(const RasterFacts& first, const LaidRasters& laid, const s
   }
   GridMapping m = suggested_grid(laid, flat_wkt);
   if (!sized) return m;
-  // Cells that begin at multiples of their size, so that what is resampled alike fits together.
+  // Cells begin at multiples of their size, so that rasters resampled alike fit together.
   const double west = m.x0 - 0.5 * m.dx, north = m.y0 - 0.5 * m.dy;
   m.dx = options.target_dx, m.dy = -options.target_dy;
   m.x0 = (std::floor(west / m.dx) + 0.5) * m.dx;
@@ -78,7 +78,7 @@ GridMapping cells_for(const RasterFacts& first, const LaidRasters& laid, const s
 
 std::string flat(const std::string& wkt) { return wkt.empty() ? wkt : wkt_of(horizontal(crs_from(wkt)), "the target"); }
 
-/// laid  the sets of rasters that can be resampled together, the first input's first; empty where none may be
+/// laid  the sets of rasters that can be resampled together, the first input's first; empty if none may be
 Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<LaidRasters>& laid,
                  const InputOptions& options) {
   const RasterFacts& first = rasters.front();
@@ -92,8 +92,8 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
   if (!options.target_srs.empty()) {
     const OGRSpatialReference asked = crs_from(wkt_of(options.target_srs, "InputOptions::target_srs"));
     if (first.crs_wkt.empty()) {
-      throw Failure(Cause::unsupported, fmt::format("{} states no coordinate system and cannot be taken to that of "
-                                                    "InputOptions::target_srs; InputOptions::srs gives one",
+      throw Failure(Cause::unsupported, fmt::format("{} states no coordinate system, so it cannot be transformed to "
+                                                    "InputOptions::target_srs. Name its own with InputOptions::srs",
                                                     first.name));
     }
     const OGRSpatialReference own = crs_from(first.crs_wkt);
@@ -101,8 +101,8 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
       throw Failure(
           Cause::unsupported,
           fmt::format(
-              "{} has heights of another kind than InputOptions::target_srs {} states, and Talus changes no heights; "
-              "a InputOptions::target_srs without heights keeps those of a vertical coordinate system",
+              "{} has heights of another kind than InputOptions::target_srs {}, and Talus does not convert heights. "
+              "Without a vertical part, InputOptions::target_srs keeps the vertical coordinate system of the input",
               first.name, options.target_srs));
     }
     target.crs_wkt = with_heights_of(asked, own);
@@ -115,91 +115,84 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
 
 void require_same_unit(const RasterFacts& raster, const Target& target) {
   if (raster.metres_per_unit == target.metres_per_unit) return;
-  throw Failure(
-      Cause::unsupported,
-      fmt::format(
-          "{} has heights in {}, {} in {}; bring them to one unit first, or say with InputOptions::vertical_unit "
-          "what all of them are in",
-          raster.name, raster.vertical_unit, target.whose, target.vertical_unit));
+  throw Failure(Cause::unsupported, fmt::format("{} has heights in {}, {} in {}. Convert them to one unit first, or "
+                                                "name the unit of all with InputOptions::vertical_unit",
+                                                raster.name, raster.vertical_unit, target.whose, target.vertical_unit));
 }
 
-/// All heights count from the same; nothing changes them.
+/// Refuses heights of another kind than the target's.
 void require_same_heights(const RasterFacts& raster, const Target& target) {
   const OGRSpatialReference own = crs_from(raster.crs_wkt), wanted = crs_from(target.crs_wkt);
   if (raster.crs_wkt.empty() || target.crs_wkt.empty() || same_heights(own, wanted)) return;
   throw Failure(Cause::unsupported,
-                fmt::format("{} states other heights in its coordinate system than {}, and Talus changes no heights; "
-                            "InputOptions::srs overrules what files state",
+                fmt::format("{} states other heights in its coordinate system than {}, and Talus does not convert "
+                            "heights. If a file is wrong, name the right coordinate system with InputOptions::srs",
                             raster.name, target.whose));
 }
 
 [[noreturn]] void refuse_grid(const RasterFacts& raster, const Target& target, bool is_same_crs) {
   constexpr const char* kWays =
-      "InputOptions::target_srs, InputOptions::target_dx and InputOptions::resampling put all inputs on one grid, "
-      "InputOptions::grid on that of a database";
+      "Put all inputs on one grid with InputOptions::target_srs, InputOptions::target_dx or InputOptions::resampling, "
+      "or on that of a database with InputOptions::grid";
   if (raster.crs_wkt.empty() != target.crs_wkt.empty()) {
     const bool is_target = !raster.crs_wkt.empty();
     throw Failure(Cause::unsupported,
-                  fmt::format("{} states no coordinate system, {} does; InputOptions::srs gives one",
+                  fmt::format("{} states no coordinate system, but {} does. Name it with InputOptions::srs",
                               is_target ? target.whose : raster.name, is_target ? raster.name : target.whose),
                   raster.name);
   }
   if (!is_same_crs) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format(
-            "{} is in another coordinate system than {}; {}, and InputOptions::srs says what all inputs are in where "
-            "what they state is wrong",
-            raster.name, target.whose, kWays),
-        raster.name);
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is in another coordinate system than {}. {}. If a file states a wrong one, name the "
+                              "right one of all inputs with InputOptions::srs",
+                              raster.name, target.whose, kWays),
+                  raster.name);
   }
   throw Failure(Cause::unsupported,
-                fmt::format("{} has cells of {}, {} of {}: not one grid; {}", raster.name, cells_of(raster.mapping),
+                fmt::format("{} has cells of {}, but {} has cells of {}. {}", raster.name, cells_of(raster.mapping),
                             target.whose, cells_of(target.mapping), kWays),
                 raster.name);
 }
 
-/// A position is what puts heights where they belong; what states it otherwise than by a grid is named.
+/// Several rasters need positions; a raster with a CRS needs one, too.
 void require_positions(const std::vector<RasterFacts>& rasters) {
   for (const RasterFacts& raster : rasters) {
     if (raster.is_placed) continue;
     if (!raster.other_position.empty()) {
       throw Failure(
           Cause::unsupported,
-          fmt::format("{} states its position by {}, which make no grid; gdalwarp makes a raster with a grid of it",
+          fmt::format("{} states its position by {}, not by a grid. Resample it to a grid with gdalwarp first",
                       raster.name, raster.other_position),
           raster.name);
     }
     if (rasters.size() > 1) {
       const auto bare =
           std::count_if(rasters.begin(), rasters.end(), [](const RasterFacts& r) { return !r.is_placed; });
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("{}{} no position, so it cannot be joined with others; give each a position, for instance with "
-                      "gdal_translate -a_ullr or a world file",
-                      raster.name, bare == 1 ? " states" : fmt::format(" and {} more state", bare - 1)),
-          raster.name);
+      throw Failure(Cause::unsupported,
+                    fmt::format("{}{} no position, so it cannot be joined with others. Add a position, for instance "
+                                "with gdal_translate -a_ullr or a world file",
+                                raster.name, bare == 1 ? " states" : fmt::format(" and {} more state", bare - 1)),
+                    raster.name);
     }
     if (!raster.crs_wkt.empty()) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("{} has a coordinate system but states no position in it; give it one, for instance with "
-                      "gdal_translate -a_ullr or a world file",
-                      raster.name),
-          raster.name);
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} has a coordinate system but states no position in it. Add one, for instance with "
+                                "gdal_translate -a_ullr or a world file",
+                                raster.name),
+                    raster.name);
     }
   }
 }
 
-/// What GDAL says of a part and of the whole differs by a cell or so at the edges; whose a sample is tells the nearest
-/// cell.
+/// The samples of the target that a member can change. GDAL's places of a part and of the whole differ by a cell or so
+/// at the edges; the exact owner of a sample is found later.
 GridRect place_of_member(const LaidRasters& laid, GridRect member) {
   if (laid.members.size() == 1) return laid.place;
   constexpr std::int32_t kAround = 2;
   return common(grown(place_of(laid, member), kAround), laid.place);
 }
 
-/// Plans how sets of rasters get to the target; only those of which one has to.
+/// Plans the resampling of the sets that contain one of `rasters`.
 void resample(const std::vector<RasterFacts*>& rasters, std::vector<LaidRasters>& laid, const Target& target,
               GDALResampleAlg method) {
   for (LaidRasters& set : laid) {
@@ -228,8 +221,8 @@ void resample(const std::vector<RasterFacts*>& rasters, std::vector<LaidRasters>
   }
 }
 
-/// Longitudes that are a full turn apart are the same place. Neighbours across the antimeridian are joined; where the
-/// rasters go all the way round, the grid is one turn, and what lies beyond its end is laid at its begin.
+/// Longitudes a full turn apart are the same place. Joins neighbours across the antimeridian. If the rasters go around
+/// the globe, the grid is one turn wide, and what lies beyond its end is moved to its beginning.
 void lay_on_circle(std::vector<RasterFacts>& rasters, const Target& target, const InputOptions& options,
                    Placement& placement) {
   const std::int64_t turn = columns_of_a_turn(target.crs_wkt, target.mapping);
@@ -255,7 +248,7 @@ void lay_on_circle(std::vector<RasterFacts>& rasters, const Target& target, cons
   placement.columns = {{anchor.first.col, static_cast<std::int32_t>(anchor.first.col + width - 1)}};
   for (RasterFacts& raster : rasters) {
     const std::int64_t first = raster.place.first.col, last = raster.place.last.col;
-    // All turns at which it meets the grid: from the first whose end reaches its begin on.
+    // All turns at which the raster meets the grid.
     std::vector<std::int64_t> turns;
     for (std::int64_t t = -((last - placement.columns->first) / turn) - 1; first + t * turn <= placement.columns->last;
          ++t) {
@@ -266,7 +259,7 @@ void lay_on_circle(std::vector<RasterFacts>& rasters, const Target& target, cons
     for (std::size_t i = 1; i < turns.size(); ++i)
       raster.also_east.push_back(static_cast<std::int32_t>(turns[i] - turns.front()));
   }
-  placement.notes.push_back("longitudes go all the way round: what lies a full turn away is laid where it belongs");
+  placement.notes.push_back("longitudes go around the globe: samples a full turn away were moved to their place");
 }
 
 /// The rectangle that all inputs span.
@@ -286,11 +279,10 @@ GridRect extent_of(const std::vector<RasterFacts>& rasters, const Placement& pla
   const std::int64_t cols = east - west + 1, rows = south - north + 1;
   if (west < -kMaxExtent || north < -kMaxExtent || east > kMaxExtent || south > kMaxExtent || cols > kMaxExtent ||
       rows > kMaxExtent || cols > kMostSamples / rows) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{}{} {} x {} samples; at most {} a side and {} in all can be taken in", rasters.front().name,
-                    rasters.size() == 1 ? " is" : fmt::format(" and {} more span", rasters.size() - 1), cols, rows,
-                    kMaxExtent, kMostSamples));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} {} {} x {} samples, but a database has at most {} a side and {} in all",
+                              name_of_all(rasters.front().name, rasters.size()), rasters.size() == 1 ? "has" : "have",
+                              cols, rows, kMaxExtent, kMostSamples));
   }
   return {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
           {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};
@@ -308,7 +300,7 @@ Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOption
   if (may_resample) laid = laid_together(rasters, placement.notes);
   Target target = target_of(rasters, laid, options);
   if (!options.grid && !(target.mapping == rasters.front().mapping)) {
-    // A grid made for the occasion begins with the first sample of the first input, and of those laid with it.
+    // A new grid begins at the first sample of the first input and of the inputs laid together with it.
     plan_warp(laid.front(), target.flat_wkt, target.mapping, method);
     const GridPoint first = laid.front().place.first;
     target.mapping.x0 = target.mapping.x(first.col);
@@ -332,7 +324,7 @@ Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOption
       refuse_grid(raster, target, is_same_crs);
     }
     to_resample.push_back(&raster);
-    raster.notes.push_back("is resampled: what is promised of its heights is promised of the resampled ones");
+    raster.notes.push_back("is resampled: every bound refers to the resampled heights");
   }
   resample(to_resample, laid, target, method);
   lay_on_circle(rasters, target, options, placement);

@@ -1,5 +1,5 @@
 #pragma once
-// Rasters laid on one grid.
+// Puts rasters on one grid.
 
 #include <cstdint>
 #include <optional>
@@ -16,16 +16,16 @@ struct Columns {
 
 struct Placement {
   GridMapping mapping;
-  GridRect extent{{0, 0}, {-1, -1}};  ///< of all rasters
-  std::optional<Columns> columns;     ///< which the extent keeps to, where longitudes go all the way round
+  GridRect extent{{0, 0}, {-1, -1}};  ///< rectangle of all rasters
+  std::optional<Columns> columns;     ///< the grid's columns, if longitudes go around the globe
   std::string crs_wkt;
   std::vector<std::string> notes;
 };
 
-/// Fills `place`, and `warp` of those that must be resampled and may be.
+/// Sets `place`, and `warp` of the rasters that are resampled.
 ///
-/// fails  unsupported: grids, CRSs, vertical datums or units that do not go together, with the options that
-///        would do; rotation; invalid_argument: options that make no sense, too large an extent
+/// fails  unsupported: grids, CRSs, vertical datums or units that do not fit, or rotation; names options that help
+///        invalid_argument: impossible options, too large an extent
 [[nodiscard]] Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOptions& options);
 
 }  // namespace talus

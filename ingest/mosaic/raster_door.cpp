@@ -1,4 +1,4 @@
-// The public door to inputs: samples as ingest would take them.
+// The public class Raster: inputs as ingest reads them.
 
 #include <memory>
 #include <utility>

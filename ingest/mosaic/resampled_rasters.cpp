@@ -18,7 +18,7 @@ constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
                                    : std::is_same_v<T, float>        ? GDT_Float32
                                                                      : GDT_Float64;
 
-/// part  of the warped dataset, from its own first sample
+/// part  rectangle of the warped dataset, counted from its own first sample
 template <class T>
 void read_band(GDALDatasetH warped, int number, GridRect part, GDALDatasetH laid, const std::string& name,
                const Patch<T>& to) {
@@ -28,7 +28,7 @@ void read_band(GDALDatasetH warped, int number, GridRect part, GDALDatasetH laid
       GDALRasterIOEx(GDALGetRasterBand(warped, number), GF_Read, part.first.col, part.first.row, cols, rows, to.samples,
                      cols, rows, kGdalType<T>, 0, static_cast<GSpacing>(to.stride * sizeof(T)), nullptr);
   rethrow_failure(laid);
-  // Resampling complains of points that have no place in the other CRS, and goes on rightly.
+  // GDAL also reports points without a place in the other CRS, which is no failure.
   if (outcome == CE_None) return;
   throw Failure(Cause::io, fmt::format("cannot resample {}{}", name, gdal.reason()), name);
 }
@@ -55,7 +55,7 @@ void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Raste
                             std::size_t stride, const std::function<std::uint8_t*()>& valid_at) {
   const LaidRasters& laid = *facts.warp->laid;
   Open& set = open(laid);
-  // The raster may lie a full turn away from where it is resampled to.
+  // The raster may lie a full turn away from its target.
   const std::int32_t east = facts.warp->place.first.col - facts.place.first.col - laid.place.first.col;
   const std::int32_t south = facts.warp->place.first.row - facts.place.first.row - laid.place.first.row;
   const GridRect there{{part.first.col + east, part.first.row + south}, {part.last.col + east, part.last.row + south}};

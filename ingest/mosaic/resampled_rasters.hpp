@@ -1,5 +1,5 @@
 #pragma once
-// Rasters that are resampled, read as height codes.
+// Reads resampled rasters as height codes.
 
 #include <cstdint>
 #include <functional>
@@ -12,17 +12,17 @@
 
 namespace talus {
 
-/// The open datasets behind rasters that are resampled: one a set that is laid together.
+/// The open datasets of resampled rasters: one for each set of LaidRasters.
 class ResampledRasters {
  public:
-  /// As RasterSource::read, for a raster with a warp. A sample whose nearest cell is another member's is void here.
+  /// As RasterSource::read, for a raster with a warp. A sample that another member owns is void here.
   template <class T>
   void read(const RasterFacts& facts, GridRect part, const RasterCoding& coding, T* codes, std::size_t stride,
             const std::function<std::uint8_t*()>& valid);
 
  private:
   struct Open {
-    DatasetOwner laid;  // the others read from it
+    DatasetOwner laid;  // the other datasets read from it
     WarpedBands warped;
   };
   Open& open(const LaidRasters& laid);

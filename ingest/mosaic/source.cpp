@@ -18,6 +18,7 @@
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/files/input_list.hpp"
 #include "ingest/files/raster_guard.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 #include "ingest/mosaic/placement.hpp"
 #include "ingest/mosaic/resampled_rasters.hpp"
 #include "ingest/mosaic/void_doubts.hpp"
@@ -31,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Adds to `pieces`, which do not overlap, what `rect` has beyond them.
+/// Adds the part of `rect` that no piece has. Pieces do not overlap.
 void add_piece(std::vector<GridRect>& pieces, GridRect rect, std::size_t from = 0) {
   for (std::size_t i = from; i < pieces.size(); ++i) {
     const GridRect p = pieces[i];
@@ -82,7 +83,7 @@ HeightStep forced_step(double metres, double metres_per_unit) {
         fmt::format("InputOptions::height_step {}: expected metres from 0.000001 to {}", metres, kLargestHeight));
   }
   const double units = metres / metres_per_unit, parts = std::round(1 / units);
-  // 0.1 is a tenth: the code is divided by ten, so that heights are the doubles nearest to their decimals.
+  // A step of 0.1 divides codes by ten: heights are then the doubles nearest to their decimals.
   if (units < 1 && std::abs(units * parts - 1) < 1e-12) return {1, parts, 0, true};
   return {units, 1, 0, true};
 }
@@ -125,10 +126,9 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
     }
   }
   if (wanted && !(types.step == *wanted)) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("the database keeps heights in {}, which do not hold those of the inputs; ingest "
-                              "everything into a new one",
-                              wanted->integer ? "whole steps" : "the source's own numbers"));
+    throw Failure(Cause::unsupported, fmt::format("the database stores heights in {}, which cannot represent those of "
+                                                  "the inputs. Ingest all inputs into a new database",
+                                                  wanted->integer ? "whole steps" : "the source's own numbers"));
   }
   types.source_type = names.size() == 1 ? *names.begin() : name_of(types.width);
   return types;
@@ -147,14 +147,13 @@ void resize(Codes& codes, Width width, std::size_t samples) {
   return resize<double>(codes, samples);
 }
 
-// ---- what is said of inputs --------------------------------------------------------------------------
+// ---- inputs and layers -------------------------------------------------------------------------------
 
 std::string name_of(const std::vector<RasterFacts>& rasters) {
-  const std::string first = fs::path(rasters.front().name).filename().string();
-  return rasters.size() == 1 ? first : fmt::format("{} and {} more", first, rasters.size() - 1);
+  return name_of_all(fs::path(rasters.front().name).filename().string(), rasters.size());
 }
 
-/// One sentence a kind of note, however many inputs it is about.
+/// Adds each different note once, with the inputs it is about.
 void gather_notes(const std::vector<RasterFacts>& rasters, std::vector<std::string>& notes) {
   std::vector<std::pair<std::string, std::vector<const RasterFacts*>>> kinds;
   std::map<std::string, std::size_t> kind_of;
@@ -166,8 +165,7 @@ void gather_notes(const std::vector<RasterFacts>& rasters, std::vector<std::stri
     }
   }
   for (const auto& [note, whose] : kinds) {
-    notes.push_back(fmt::format("{}{}: {}", whose.front()->name,
-                                whose.size() == 1 ? "" : fmt::format(" and {} more", whose.size() - 1), note));
+    notes.push_back(name_of_all(whose.front()->name, whose.size()) + ": " + note);
   }
   std::map<std::string, std::size_t> voids;
   for (const RasterFacts& raster : rasters) ++voids[raster.void_text.empty() ? "nothing" : raster.void_text];
@@ -176,7 +174,7 @@ void gather_notes(const std::vector<RasterFacts>& rasters, std::vector<std::stri
   for (const auto& [value, count] : voids) {
     text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", value, count == 1 ? "one" : std::to_string(count));
   }
-  notes.push_back("inputs mark voids differently, each by its own: " + text);
+  notes.push_back("inputs mark voids in different ways: " + text);
 }
 
 InputFile as_input(const RasterFacts& raster) {
@@ -195,16 +193,16 @@ InputFile as_input(const RasterFacts& raster) {
   return input;
 }
 
-/// Samples of a target cell that one of the raster takes: below 1 where it is finer than the grid.
+/// Samples on the common grid per sample of the raster: below 1 if the raster is finer.
 double cell_area(const RasterFacts& raster) {
   return static_cast<double>(raster.place.samples()) / raster.cols / raster.rows;
 }
 
-/// The order in which inputs are laid down, the last on top.
+/// Inputs in the order in which they are laid, the last on top.
 std::vector<std::size_t> order_of(const std::vector<RasterFacts>& rasters, bool finer_on_top) {
   std::vector<std::size_t> order(rasters.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  constexpr double kAlike = 1e-3;  // beyond this much apart, cells have different sizes
+  constexpr double kAlike = 1e-3;  // smaller differences of ln(area) are rounding
   const auto size_class = [&](std::size_t i) { return std::llround(std::log(cell_area(rasters[i])) / kAlike); };
   if (finer_on_top) {
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return size_class(a) > size_class(b); });
@@ -212,26 +210,25 @@ std::vector<std::size_t> order_of(const std::vector<RasterFacts>& rasters, bool 
   return order;
 }
 
-/// Heights taken off the window before another raster is laid over them.
+/// Heights saved before another raster is laid over them.
 template <class T>
 struct Kept {
   GridRect region;
   std::vector<T> codes;
-  std::vector<std::uint8_t> valid;  // empty: all
+  std::vector<std::uint8_t> valid;  // empty: all are valid
 };
 
-/// A raster laid down, once for each full turn of longitudes at which it meets the grid.
+/// A raster at one place. It has several layers if it meets the grid at several full turns of longitude.
 struct Layer {
   std::size_t raster;
   GridRect place;
-  std::int32_t east;  // of where the raster lies otherwise
+  std::int32_t east;  // columns from the raster's first place
 
   [[nodiscard]] GridRect in_raster(GridRect part) const {
     return {{part.first.col - east, part.first.row}, {part.last.col - east, part.last.row}};
   }
 };
 
-/// The last on top.
 std::vector<Layer> layers_of(const std::vector<RasterFacts>& rasters, bool finer_on_top) {
   std::vector<Layer> layers;
   for (const std::size_t i : order_of(rasters, finer_on_top)) {
@@ -245,7 +242,7 @@ std::vector<Layer> layers_of(const std::vector<RasterFacts>& rasters, bool finer
 
 }  // namespace
 
-/// What is known of all inputs, the same for every reader of them.
+/// All facts of the inputs, shared by the readers.
 struct Source::Plan {
   Description description;
   Types types;
@@ -265,7 +262,7 @@ struct Source::Reader {
   mutable std::uint64_t compared = 0, different = 0;
   mutable double largest_m = 0;
   mutable GridPoint at{};
-  mutable std::size_t covering = 0;  // the layer on top there
+  mutable std::size_t covering = 0;  // the top layer at `at`
   mutable ZeroEdges zero_edges;
 
   template <class T>
@@ -273,7 +270,7 @@ struct Source::Reader {
   template <class T>
   void restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own, std::size_t layer) const;
   void note_difference(GridPoint p, double metres, std::size_t layer) const;
-  /// As RasterSource::read; `part` of the common grid, within the layer's place.
+  /// As RasterSource::read; `part` is on the common grid, within the layer's place.
   template <class T>
   bool read(const Layer& layer, GridRect part, T* codes, std::size_t stride,
             const std::function<std::uint8_t*()>& valid) const;
@@ -323,7 +320,7 @@ bool Source::Reader::read(const Layer& layer, GridRect part, T* codes, std::size
   return true;
 }
 
-/// Where the raster just laid down is void the earlier height returns; where both are data they are compared.
+/// Restores earlier heights where the new raster is void, and compares heights where both are valid.
 template <class T>
 void Source::Reader::restore(const Kept<T>& kept, Window& window, std::vector<T>& codes, GridRect own,
                              std::size_t layer) const {
@@ -357,7 +354,7 @@ void Source::Reader::lay(std::size_t layer, Window& window, std::vector<T>& code
     if (overlap(other, rect)) add_piece(overlaps, common(other, rect));
   }
   std::vector<Kept<T>> kept;
-  for (const GridRect& overlap : overlaps) kept.push_back(keep(window, codes, overlap));
+  for (const GridRect& both : overlaps) kept.push_back(keep(window, codes, both));
 
   const std::size_t at_first = index_in(window.region, rect.first);
   const auto valid_at = [&] {
@@ -403,8 +400,8 @@ Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options)
       std::all_of(options.nodata.begin(), options.nodata.end(), [](double value) { return std::isnan(value); });
   if (!only_nan && !is_taken) {
     plan.notes.push_back(
-        "InputOptions::nodata makes nothing void: each input declares a void value of its own, or its samples cannot "
-        "be that value (gdal_translate -a_nodata changes what a file declares)");
+        "InputOptions::nodata makes no sample void: every input declares a void value of its own or cannot hold this "
+        "one (gdal_translate -a_nodata changes what a file declares)");
   }
 
   const Placement placement = place_on_one_grid(plan.rasters, options);
@@ -534,7 +531,7 @@ SeamReport Source::seams() const {
 
 std::vector<std::string> Source::doubts(double minimum, double maximum) const {
   const bool all_declare = std::all_of(plan_->rasters.begin(), plan_->rasters.end(), [](const RasterFacts& raster) {
-    // V would be a raw sample
+    // The user's value would have to be a raw sample.
     return raster.nodata.has_value() || (!is_bare(raster) && raster.decode == ColourCode::none);
   });
   return void_doubts(minimum, maximum, reader_->zero_edges, plan_->description.vertical_unit, all_declare);

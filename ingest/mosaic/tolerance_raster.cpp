@@ -20,7 +20,8 @@ void require_one_band(const RasterFacts& facts) {
   GdalScope gdal;
   const int bands = GDALGetRasterCount(open_dataset(facts).get());
   if (bands != 1)
-    throw Failure(Cause::invalid_argument, fmt::format("{} has {} bands: expected one, of metres", facts.name, bands));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has {} bands; expected one band, of tolerances in metres", facts.name, bands));
 }
 
 void require_same_places(const RasterFacts& facts, const Description& database) {
@@ -30,19 +31,20 @@ void require_same_places(const RasterFacts& facts, const Description& database) 
   if (is_known && same_crs(wkt_of(horizontal(crs_from(facts.crs_wkt)), facts.name),
                            wkt_of(horizontal(crs_from(database.crs_wkt)), "the database")))
     return;
-  throw Failure(Cause::invalid_argument,
-                fmt::format("{} is in another coordinate system than the database{}; gdalwarp -t_srs brings it there",
-                            facts.name, is_known ? "" : ", which states none"));
+  throw Failure(
+      Cause::invalid_argument,
+      fmt::format("{} is in another coordinate system than the database{}. Transform it with gdalwarp -t_srs first",
+                  facts.name, is_known ? "" : ", which states none"));
 }
 
-/// Cells that share a region evenly, each sample with the cell around it.
+/// Cells that divide a region evenly, where each sample stands for a whole cell of the grid.
 GridMapping evenly_over(const Description& d, GridRect region, const RasterFacts& facts) {
   const double dx = static_cast<double>(region.cols()) * d.mapping.dx / facts.cols;
   const double dy = static_cast<double>(region.rows()) * d.mapping.dy / facts.rows;
   return {d.mapping.x(region.first.col - 0.5) + dx / 2, d.mapping.y(region.first.row - 0.5) + dy / 2, dx, dy};
 }
 
-/// Cells written a full turn away, as the region's samples are.
+/// The cells, moved by full turns of longitude to the region.
 GridMapping on_turn_of(const Description& d, GridRect region, GridMapping cells, const RasterFacts& facts) {
   const double turn = Ground(d.crs).full_turn();
   if (turn == 0) return cells;
@@ -52,14 +54,14 @@ GridMapping on_turn_of(const Description& d, GridRect region, GridMapping cells,
   return cells;
 }
 
-/// The cells that a region's samples may lie in; last < first: none.
+/// The cells around a region's samples; last < first: none.
 GridRect cells_over(const Description& d, GridRect region, const GridMapping& cells, const RasterFacts& facts) {
   const auto cell = [](double at, int count) {
     return static_cast<std::int32_t>(std::clamp<double>(std::floor(at + 0.5), -2, count + 1));
   };
   const auto col = [&](std::int32_t v) { return cell((d.mapping.x(v) - cells.x0) / cells.dx, facts.cols); };
   const auto row = [&](std::int32_t v) { return cell((d.mapping.y(v) - cells.y0) / cells.dy, facts.rows); };
-  // One more on each side: how samples on lines between cells are rounded is not decided here.
+  // One more cell on each side, because samples on lines between cells may be rounded either way.
   return {{std::max(col(region.first.col) - 1, 0), std::max(row(region.first.row) - 1, 0)},
           {std::min(col(region.last.col) + 1, facts.cols - 1), std::min(row(region.last.row) + 1, facts.rows - 1)}};
 }
@@ -76,7 +78,8 @@ ToleranceRaster read_tolerances(const std::filesystem::path& file, const Descrip
   raster.cells = is_placed ? on_turn_of(database, region, facts.mapping, facts) : evenly_over(database, region, facts);
   const GridRect part = cells_over(database, region, raster.cells, facts);
   if (part.cols() < 1 || part.rows() < 1) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} has nothing in common with the region", facts.name));
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} does not overlap the rectangle of the question", facts.name));
   }
   raster.metres = Raster(std::vector{file}, InputOptions{}).read(part);
   for (double& metres : raster.metres.values) metres *= facts.metres_per_unit;

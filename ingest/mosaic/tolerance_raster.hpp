@@ -1,5 +1,5 @@
 #pragma once
-// Rasters whose cells are tolerances, not heights.
+// Rasters of tolerances.
 
 #include <filesystem>
 
@@ -8,17 +8,17 @@
 
 namespace talus {
 
-/// Where its cells are in a database's CRS, and their metres; a cell without is void.
+/// Cells in the database's CRS with their tolerances in metres; a cell without a tolerance is void.
 struct ToleranceRaster {
   GridMapping cells;
   SampleWindow metres;
 };
 
-/// The part of a raster that a region needs. One that says neither where it is nor in which CRS lies evenly over the
-/// region; one that says no CRS is taken to be in the database's.
+/// Reads the part of a raster that a region needs. Without position and CRS, its cells divide the region evenly;
+/// without CRS, it is in the database's.
 ///
-/// file   as ingest takes them, of one band
-/// fails  as ingest does for its inputs; invalid_argument: more bands, another CRS, nothing in common with the region
+/// file   a raster as for ingest, with one band
+/// fails  as ingest for its inputs; invalid_argument: more bands, another CRS, outside the region
 [[nodiscard]] ToleranceRaster read_tolerances(const std::filesystem::path& file, const Description& database,
                                               GridRect region);
 

@@ -10,8 +10,8 @@
 namespace talus {
 namespace {
 
-constexpr double kSteep = 50;          // metres from 0 in one cell: rare at coasts
-constexpr std::uint64_t kFewest = 16;  // edges that make a case
+constexpr double kSteep = 50;          // metres above or below 0 in one cell: rare at coasts
+constexpr std::uint64_t kFewest = 16;  // fewer edges prove nothing
 constexpr std::array kLowest{-9999.0, -99999.0, -32768.0, -32767.0, -10000.0, -999.0};
 constexpr std::array kHighest{32767.0, 65535.0, 9999.0, 99999.0};
 
@@ -58,12 +58,11 @@ std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroE
                                      bool all_declare) {
   std::vector<std::string> doubts;
   const auto remedy = [&](double value) {
-    return all_declare
-               ? fmt::format(
-                     "declare it in the files, which state another void value (gdal_translate -a_nodata {}), and "
-                     "ingest again",
-                     value)
-               : fmt::format("ingest again with InputOptions::nodata {}", value);
+    return all_declare ? fmt::format(
+                             "declare it in the files, which state another void value (gdal_translate -a_nodata {}), "
+                             "and ingest again",
+                             value)
+                       : fmt::format("ingest again with InputOptions::nodata {}", value);
   };
   const auto doubt = [&](const char* which, double value) {
     doubts.push_back(fmt::format("the {} height is {} {}, which often means no data; if it does, {}", which, value,
@@ -72,10 +71,9 @@ std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroE
   if (is_one_of(minimum, kLowest)) doubt("lowest", minimum);
   if (is_one_of(maximum, kHighest)) doubt("highest", maximum);
   if (minimum == 0 && edges.all >= kFewest && 2 * edges.steep >= edges.all) {
-    doubts.push_back(
-        fmt::format("the lowest height is 0, and beside it the ground mostly lies {} m and more higher; if 0 means "
-                    "no data, {}",
-                    kSteep, remedy(0)));
+    doubts.push_back(fmt::format(
+        "the lowest height is 0, and most samples beside it are at least {} m higher; if 0 means no data, {}", kSteep,
+        remedy(0)));
   }
   return doubts;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Heights that look as if they meant no data, where nobody has said so.
+// Finds heights that may mean no data although no file declares it.
 
 #include <cstdint>
 #include <string>
@@ -9,17 +9,16 @@
 
 namespace talus {
 
-/// Where samples of exactly 0 have neighbours that are not 0. At a coast these are mostly low, around holes mostly not.
+/// Neighbours of samples that are exactly 0. At a coast most are close to 0; around holes most are not.
 struct ZeroEdges {
-  std::uint64_t all = 0, steep = 0;  ///< neighbours, and those of them that lie far from 0
+  std::uint64_t all = 0, steep = 0;  ///< neighbours, and how many of them are far from 0
 };
-/// Adds the edges between samples within `own`.
-/// codes are heights in whole or other numbers of `metres_per_code`
+/// Counts the edges between samples in `own`. Codes times `metres_per_code` are metres.
 void count_zero_edges(const Window& window, GridRect own, double metres_per_code, ZeroEdges& edges);
 
-/// Sentences; none where nothing is doubtful. Heights in the vertical unit.
+/// Sentences on doubtful heights, in the vertical unit.
 ///
-/// all_declare  every input declares a void value, so that InputOptions::nodata is for none of them
+/// all_declare  every input declares a void value, so InputOptions::nodata would change nothing
 [[nodiscard]] std::vector<std::string> void_doubts(double minimum, double maximum, const ZeroEdges& edges,
                                                    const std::string& unit, bool all_declare);
 

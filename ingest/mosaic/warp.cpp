@@ -12,6 +12,7 @@
 
 #include "engine/quadtree/grid.hpp"
 #include "ingest/files/gdal_scope.hpp"
+#include "ingest/mosaic/common_grid.hpp"
 #include "ingest/raster/crs.hpp"
 #include "talus/failure.hpp"
 
@@ -19,7 +20,7 @@ namespace talus {
 namespace {
 
 constexpr double kWarpMemory = 32.0 * (1 << 20);
-constexpr double kTransformTolerance = 0.01;  // cells; between CRSs points are transformed one by one otherwise
+constexpr double kTransformTolerance = 0.01;  // cells: GDAL interpolates between transformed points
 
 struct FreeTransformer {
   void operator()(void* transformer) const { GDALDestroyTransformer(transformer); }
@@ -30,10 +31,7 @@ struct FreeWarpOptions {
   void operator()(GDALWarpOptions* options) const { GDALDestroyWarpOptions(options); }
 };
 
-std::string name_of(const LaidRasters& laid) {
-  const std::string& first = laid.members.front().name;
-  return laid.members.size() == 1 ? first : fmt::format("{} and {} more", first, laid.members.size() - 1);
-}
+std::string name_of(const LaidRasters& laid) { return name_of_all(laid.members.front().name, laid.members.size()); }
 
 [[noreturn]] void refuse(const LaidRasters& laid, const GdalScope& gdal) {
   throw Failure(Cause::unsupported,
@@ -41,7 +39,7 @@ std::string name_of(const LaidRasters& laid) {
                 laid.members.front().name);
 }
 
-// From the source's cells to the target's coordinates, or to its cells once they are known.
+// Transforms cells of the source to coordinates of the target.
 Transformer transformer_of(GDALDatasetH source, const LaidRasters& laid, const std::string& source_crs,
                            const std::string& target_crs, const GdalScope& gdal) {
   CPLStringList options;
@@ -62,7 +60,7 @@ std::array<double, 6> geotransform_of(const GridMapping& m, GridPoint first) {
   return {m.x(first.col) - 0.5 * m.dx, m.dx, 0, m.y(first.row) - 0.5 * m.dy, 0, m.dy};
 }
 
-// The target's own text where it is the same CRS: then nothing is transformed.
+// The CRS of the source. If it equals the target's, the target's own text, so that GDAL transforms nothing.
 std::string source_crs_of(const LaidRasters& laid, const std::string& target_crs) {
   if (laid.crs_wkt.empty()) return laid.crs_wkt;
   const std::string flat = wkt_of(horizontal(crs_from(laid.crs_wkt)), name_of(laid));
@@ -71,7 +69,7 @@ std::string source_crs_of(const LaidRasters& laid, const std::string& target_crs
 
 struct Suggestion {
   std::array<double, 6> geotransform{};
-  std::array<double, 4> extent{};  // x and y from, x and y to
+  std::array<double, 4> extent{};  // west, south, east, north
   int cols = 0, rows = 0;
 };
 
@@ -111,7 +109,7 @@ DatasetOwner warped_band(GDALDatasetH source, int band, GDALResampleAlg method, 
   options->panSrcBands[0] = band;
   options->panDstBands[0] = 1;
   options->nDstAlphaBand = 2;
-  // Every block by one and the same scale: GDAL would otherwise take that of the block.
+  // The same scale for all blocks. Otherwise GDAL would choose one for each block.
   CPLStringList words;
   words.SetNameValue("INIT_DEST", "0");
   words.SetNameValue("XSCALE", fmt::format("{}", laid.x_scale).c_str());
@@ -131,7 +129,7 @@ DatasetOwner warped_band(GDALDatasetH source, int band, GDALResampleAlg method, 
   }
   options->pTransformerArg = transformer.get();
 
-  // Owns the transformer from here on, and a reference to the source.
+  // It owns the transformer from here on, and a reference to the source.
   DatasetOwner warped{GDALCreateWarpedVRT(source, cols, rows, geotransform.data(), options.get())};
   if (!warped) refuse(laid, gdal);
   static_cast<void>(transformer.release());
@@ -161,7 +159,7 @@ GridMapping suggested_grid(const LaidRasters& laid, const std::string& target_cr
 GridRect place_of(const LaidRasters& laid, GridRect part) {
   const GridMapping& target = laid.target;
   const Suggestion s = suggestion_of(laid, part, laid.source_crs, laid.target_crs);
-  // Samples that stand inside the raster; one on its edge counts.
+  // The samples inside the raster or on its edge.
   constexpr double kOnTheEdge = 1e-6;
   const double west = std::ceil((s.extent[0] - target.x0) / target.dx - kOnTheEdge);
   const double east = std::floor((s.extent[2] - target.x0) / target.dx + kOnTheEdge);
@@ -170,8 +168,8 @@ GridRect place_of(const LaidRasters& laid, GridRect part) {
   const double limit = kMaxExtent;
   if (!(west >= -limit && east <= limit && north >= -limit && south <= limit)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("{} would take columns {} to {}, rows {} to {} of the target grid; at most {} a side can "
-                              "be taken in: choose larger cells with InputOptions::target_dx",
+                  fmt::format("{} would need columns {} to {}, rows {} to {} of the target grid, but a database has at "
+                              "most {} a side. Choose larger cells with InputOptions::target_dx",
                               name_of(laid), west, east, north, south, kMaxExtent),
                   laid.members.front().name);
   }

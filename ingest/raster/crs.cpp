@@ -33,7 +33,7 @@ std::string wkt_of(const OGRSpatialReference& crs, const std::string& name) {
 std::string wkt_of(const std::string& user_input, const char* option) {
   GdalScope gdal;
   OGRSpatialReference crs;
-  // No file and no address: text only.
+  // The limits keep GDAL from opening files and addresses.
   if (crs.SetFromUserInput(user_input.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
       OGRERR_NONE) {
     throw Failure(Cause::invalid_argument, fmt::format("{} {}: expected a coordinate system, such as EPSG:25832, WKT "
@@ -47,7 +47,7 @@ OGRSpatialReference crs_from(const std::string& wkt) {
   GdalScope gdal;
   OGRSpatialReference crs;
   if (!wkt.empty() && crs.importFromWkt(wkt.c_str()) != OGRERR_NONE) {
-    throw Failure(Cause::unsupported, fmt::format("a coordinate system cannot be understood{}", gdal.reason()));
+    throw Failure(Cause::unsupported, fmt::format("cannot read the WKT of a coordinate system{}", gdal.reason()));
   }
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
@@ -89,7 +89,7 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
   if (node == nullptr || node->exportToWkt(&text) != OGRERR_NONE) {
     CPLFree(text);
     throw Failure(Cause::unsupported,
-                  fmt::format("a vertical coordinate system cannot be understood{}", gdal.reason()));
+                  fmt::format("cannot read the WKT of a vertical coordinate system{}", gdal.reason()));
   }
   OGRSpatialReference vertical;
   const OGRErr understood = vertical.importFromWkt(text);
@@ -99,8 +99,9 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
   const char* high = vertical.GetName();
   const std::string name = fmt::format("{} + {}", flat ? flat : "unnamed", high ? high : "unnamed");
   if (understood != OGRERR_NONE || both.SetCompoundCS(name.c_str(), &target, &vertical) != OGRERR_NONE) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("a vertical coordinate system cannot be joined to the target{}", gdal.reason()));
+    throw Failure(
+        Cause::unsupported,
+        fmt::format("cannot add the vertical coordinate system of the input to the target's{}", gdal.reason()));
   }
   return wkt_of(both, "the target");
 }

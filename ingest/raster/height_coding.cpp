@@ -13,7 +13,7 @@ namespace talus {
 template <class T>
 SureHeights<T> sure_heights(const RasterFacts& facts, const RasterCoding& coding) {
   if (coding.rule != RasterCoding::Rule::raw) return {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
-  // A little inside the largest heights.
+  // Kept a little inside the largest heights, so that rounding does not pass them.
   const HeightStep& step = coding.step;
   const double scale = step.integer ? step.scale / step.divisor : 1, offset = step.integer ? step.offset : 0;
   const double largest = kLargestHeight / facts.metres_per_unit * (1 - 1e-9);
@@ -44,14 +44,13 @@ void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const
       if (ok[c] == 0 || (coding.rule == RasterCoding::Rule::raw && row[c] >= sure.low && row[c] <= sure.high)) continue;
       const double value = value_of(static_cast<double>(row[c]));
       if (!(std::abs(value) <= largest)) {
-        throw Failure(
-            Cause::invalid_argument,
-            fmt::format("{} holds {} {} at column {}, row {}, which is no height (at most {} m up or down). If it "
-                        "means no data, declare it: InputOptions::nodata for files that declare no void value, "
-                        "gdal_translate -a_nodata for others",
-                        facts.name, value, facts.vertical_unit, first.col + static_cast<std::int64_t>(c),
-                        first.row + static_cast<std::int64_t>(r), kLargestHeight),
-            facts.name);
+        throw Failure(Cause::invalid_argument,
+                      fmt::format("{} holds {} {} at column {}, row {}; heights lie within {} m up or down. If the "
+                                  "value means no data, declare it: with InputOptions::nodata if the file declares no "
+                                  "void value, else with gdal_translate -a_nodata",
+                                  facts.name, value, facts.vertical_unit, first.col + static_cast<std::int64_t>(c),
+                                  first.row + static_cast<std::int64_t>(r), kLargestHeight),
+                      facts.name);
       }
       if (coding.rule == RasterCoding::Rule::value) row[c] = static_cast<T>(value);
       if (coding.rule == RasterCoding::Rule::rounded) {

@@ -1,5 +1,5 @@
 #pragma once
-// Raw samples become height codes.
+// Turns raw samples into height codes.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace talus {
 struct RasterCoding {
   enum class Rule {
     raw,     ///< a code is the sample
-    value,   ///< a code is the height: scale and offset applied
-    rounded  ///< a code is the height in whole steps, the nearest
+    value,   ///< a code is the height, with scale and offset applied
+    rounded  ///< a code is the height in steps, rounded to the nearest
   };
   Rule rule = Rule::raw;
   HeightStep step;
 };
 
-/// A rectangle of samples somewhere in a larger one.
+/// A rectangle of samples in a larger one.
 template <class T>
 struct Patch {
   T* samples;
@@ -26,7 +26,7 @@ struct Patch {
   [[nodiscard]] T* row(std::size_t r) const { return samples + r * stride; }
 };
 
-/// Raw samples that are their own codes and heights for certain; beyond them code_heights looks closely.
+/// Raw samples in this range are certainly heights, and equal to their codes. code_heights checks the others.
 template <class T>
 struct SureHeights {
   T low, high;
@@ -34,10 +34,10 @@ struct SureHeights {
 template <class T>
 [[nodiscard]] SureHeights<T> sure_heights(const RasterFacts& facts, const RasterCoding& coding);
 
-/// Makes codes of the raw samples that are data.
+/// Turns the valid raw samples into codes.
 ///
-/// T      int16_t, float or double, one that holds every raw sample and every code
-/// first  the raster's column and row of the first sample, for failures
+/// T      int16_t, float or double: holds every raw sample and every code
+/// first  column and row of the first sample in the raster, for failures
 /// fails  invalid_argument: a sample that is no height
 template <class T>
 void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const RasterFacts& facts,

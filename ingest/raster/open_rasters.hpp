@@ -1,5 +1,5 @@
 #pragma once
-// A few open rasters out of many.
+// Keeps a few of many rasters open.
 
 #include <cstddef>
 #include <list>
@@ -11,7 +11,7 @@
 
 namespace talus {
 
-/// Opens rasters when they are needed and closes the one that was not needed for longest. For those on their own grid.
+/// Opens rasters on demand and closes the least recently used one. For rasters that are not resampled.
 class OpenRasters {
  public:
   explicit OpenRasters(const std::vector<RasterFacts>& rasters, std::size_t most = 48)
@@ -36,7 +36,7 @@ class OpenRasters {
   using Open = std::list<std::pair<std::size_t, RasterSource>>;
   const std::vector<RasterFacts>* rasters_;
   std::size_t most_;
-  Open open_;  // the latest used first
+  Open open_;  // the most recently used first
   std::unordered_map<std::size_t, Open::iterator> where_;
 };
 

@@ -21,16 +21,16 @@
 namespace talus {
 namespace {
 
-constexpr double kOnTheGrid = 1e-3;  // of a cell: formats round their origins
+constexpr double kOnTheGrid = 1e-3;  // cells: formats round their origins
 constexpr std::size_t kMostOpen = 16;
 
 struct Placed {
   std::filesystem::path file;
   int cols = 0, rows = 0;
-  GridPoint first{};  ///< where the cell (0, 0) of the file stands
-  /// Steps of columns and rows on the database's grid: −1 where the file runs the other way.
+  GridPoint first{};  ///< the database's grid point of the file's cell (0, 0)
+  /// Steps of columns and rows on the database's grid: −1 if the file runs the other way.
   std::int32_t east = 1, south = 1;
-  double cell_area = 1;  ///< of the database's cells
+  double cell_area = 1;  ///< area of a cell, in cells of the database
   [[nodiscard]] GridRect place() const {
     const GridPoint last{first.col + east * (cols - 1), first.row + south * (rows - 1)};
     return {{std::min(first.col, last.col), std::min(first.row, last.row)},
@@ -38,7 +38,7 @@ struct Placed {
   }
 };
 
-/// The CRS a dataset states, as text; empty where it states none.
+/// The CRS of a dataset as text; empty if it has none.
 std::string crs_of(GDALDatasetH dataset) {
   OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
   if (crs == nullptr && GDALGetGCPCount(dataset) > 0) crs = GDALGetGCPSpatialRef(dataset);
@@ -64,9 +64,9 @@ bool is_geographic(const std::string& wkt) {
 struct PlainReader::Opened {
   InputOptions rules;
   std::vector<Placed> inputs;
-  std::int32_t turn = 0;  ///< columns of a full turn; 0: longitudes do not matter
+  std::int32_t turn = 0;  ///< columns of a full turn; 0 if the CRS has no longitudes
   GridRect extent{{0, 0}, {-1, -1}};
-  mutable std::list<std::pair<std::size_t, DatasetOwner>> open;  ///< last used first
+  mutable std::list<std::pair<std::size_t, DatasetOwner>> open;  ///< the last used first
 
   [[nodiscard]] GDALDatasetH dataset(std::size_t input) const {
     for (auto at = open.begin(); at != open.end(); ++at) {
@@ -91,20 +91,18 @@ struct PlainReader::Opened {
     throw Failure(Cause::invalid_argument, fmt::format("{} has no band of heights", file.string()), file);
   }
 
-  /// The input's cells that lie `moved` columns further east than it does itself.
+  /// Copies the input's cells, `moved` columns further east, into the window.
   void lay(std::size_t input, std::int32_t moved, SampleWindow& window) const;
 };
 
 namespace {
 
-/// The codes' own formulas.
 double height_of_colours(ColourCode code, double red, double green, double blue) {
   if (code == ColourCode::terrarium) return red * 256 + green + blue / 256 - 32768;
   return -10000 + (red * 256 * 256 + green * 256 + blue) * 0.1;
 }
 
-/// Where the control points of a raster put its corner and cells, if they are at the corners of a grid; else nothing
-/// changes.
+/// Replaces t by the geotransform of the control points, if they lie on a grid.
 void take_control_points(GDALDatasetH set, std::array<double, 6>& t) {
   std::array<double, 6> found{};
   const int count = GDALGetGCPCount(set);
@@ -123,11 +121,11 @@ class VoidNumbers {
     } else {
       said_ = rules.nodata;
     }
-    if (is_coded) apart_ = rules.decode == ColourCode::terrarium ? 1.0 / 512 : 0.05;  // half a step of the code
+    if (is_coded) apart_ = rules.decode == ColourCode::terrarium ? 1.0 / 512 : 0.05;  // half a step of the colour code
     is_float_ = GDALGetRasterDataType(band) == GDT_Float32 && !is_coded;
   }
   bool operator()(double number) const {
-    constexpr double kHuge = 1e30;  // headers round the lowest float; beyond this nothing is a height
+    constexpr double kHuge = 1e30;  // some headers round the lowest float; numbers beyond this are not heights
     if (stated_) {
       const auto is_huge = [&](double v) { return std::abs(v) > kHuge; };
       return held(number) == held(*stated_) ||
@@ -164,7 +162,7 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
   const GdalScope gdal;
   const GDALDatasetH set = dataset(input);
   const GDALRasterBandH heights = band(set, in.file);
-  const bool is_masked = (GDALGetMaskFlags(heights) & (GMF_ALL_VALID | GMF_ALPHA)) == 0;  // alpha is looked at below
+  const bool is_masked = (GDALGetMaskFlags(heights) & (GMF_ALL_VALID | GMF_ALPHA)) == 0;  // alpha is read below
   const GDALRasterBandH mask = GDALGetMaskBand(heights);
   std::vector<GDALRasterBandH> alphas;
   for (int i = 1; i <= GDALGetRasterCount(set); ++i) {
@@ -195,7 +193,7 @@ void PlainReader::Opened::lay(std::size_t input, std::int32_t moved, SampleWindo
       for (std::size_t i = 0; i < numbers.size(); ++i)
         numbers[i] = height_of_colours(rules.decode, numbers[i], green[i], blue[i]);
     }
-    // A virtual raster computes in doubles what its band holds as floats.
+    // A virtual raster computes in doubles, but its band holds floats.
     for (std::size_t i = 0; is_float && i < numbers.size(); ++i) numbers[i] = static_cast<float>(numbers[i]);
     if (is_masked) read_row(mask, first, file_row, cols, GDT_Byte, masks.data(), in.file, gdal);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -228,8 +226,11 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
     const GdalScope gdal;
     const GDALDatasetH set = raster.dataset.get();
     const auto refuse = [&](const std::string& what) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{} {}: not the raster this database was made from", file.string(), what), file);
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{} {}. A database can be compared only with its own inputs, and only if they were not resampled",
+                      file.string(), what),
+          file);
     };
     if (rules.srs.empty() && !same_crs(database.crs_wkt, crs_of(set)))
       refuse(fmt::format("has another CRS than {}, or one of them has none", database_name));
@@ -239,14 +240,11 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
     placed.rows = GDALGetRasterYSize(set);
     std::array<double, 6> t{};
     if (GDALGetGeoTransform(set, t.data()) != CE_None || t == std::array<double, 6>{0, 1, 0, 0, 0, 1}) {
-      t = {0, 1, 0, 0, 0, -1};  // counted from the corner, downwards
+      t = {0, 1, 0, 0, 0, -1};  // columns and rows from the corner, downwards
       take_control_points(set, t);
     }
     if (std::abs(t[2]) * placed.rows > 1e-6 * std::abs(t[1]) || std::abs(t[4]) * placed.cols > 1e-6 * std::abs(t[5]))
-      refuse(
-          fmt::format("is rotated against the grid of {}, so it was resampled; verify compares samples "
-                      "with rasters on that grid only",
-                      database_name));
+      refuse(fmt::format("is rotated against the grid of {}", database_name));
     placed.cell_area = std::abs(t[1] / m.dx * t[5] / m.dy);
     placed.east = t[1] < 0 ? -1 : 1;
     placed.south = t[5] > 0 ? -1 : 1;
@@ -254,12 +252,7 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
     const double drift =
         std::max(std::abs(std::abs(t[1] / m.dx) - 1) * placed.cols, std::abs(std::abs(t[5] / m.dy) - 1) * placed.rows);
     const double off = std::max(std::abs(col - std::nearbyint(col)), std::abs(row - std::nearbyint(row)));
-    if (!(off + drift <= kOnTheGrid)) {
-      refuse(fmt::format(
-          "lies elsewhere than {}, or has other cells, so that it was resampled; verify compares samples with rasters "
-          "on the database's grid only",
-          database_name));
-    }
+    if (!(off + drift <= kOnTheGrid)) refuse(fmt::format("lies elsewhere than {}, or has other cells", database_name));
     if (!(std::abs(col) < 1e9 && std::abs(row) < 1e9)) refuse(fmt::format("lies elsewhere than {}", database_name));
     placed.first = {static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
     opened_->inputs.push_back(placed);
@@ -267,15 +260,14 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
   const double turn = is_geographic(database.crs_wkt) ? std::nearbyint(360 / m.dx) : 0;
   if (turn >= 1 && turn < 1e9 && std::abs(turn * m.dx - 360) <= kOnTheGrid * m.dx)
     opened_->turn = static_cast<std::int32_t>(turn);
-  if (rules.priority_resolution) {  // the one with smaller cells on top; on one grid they hardly differ
+  if (rules.priority_resolution) {  // the raster with smaller cells on top
     std::stable_sort(opened_->inputs.begin(), opened_->inputs.end(),
                      [](const Placed& a, const Placed& b) { return a.cell_area > b.cell_area * (1 + 1e-3); });
   }
   settle_extent(database.extent);
 }
 
-/// Longitudes may be written a full turn away: each input is taken where it meets the database, and the rest of it
-/// around it.
+/// Moves inputs by a full turn of longitude to where they meet the database.
 void PlainReader::settle_extent(GridRect database) {
   GridRect& all = opened_->extent;
   for (Placed& placed : opened_->inputs) {

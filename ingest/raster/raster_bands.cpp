@@ -12,7 +12,7 @@
 namespace talus {
 namespace {
 
-/// What a band shows if it is a colour; null where it may be heights.
+/// The kind of colour in a band, in words; null if it may hold heights.
 const char* colour_of(GDALRasterBandH band) {
   const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
   if (meaning == GCI_PaletteIndex ||
@@ -23,16 +23,15 @@ const char* colour_of(GDALRasterBandH band) {
 }
 
 [[noreturn]] void refuse_colours(const RasterFacts& facts, int band, const char* colour) {
-  throw Failure(
-      Cause::unsupported,
-      fmt::format("{} holds colours, not heights: band {} is {}. If the colours stand for heights, "
-                  "InputOptions::decode says how, terrain-rgb or terrarium; if they are heights, gdal_translate "
-                  "-colorinterp gray says so",
-                  facts.name, band, colour),
-      facts.name);
+  throw Failure(Cause::unsupported,
+                fmt::format("{} holds colours, not heights: band {} is {}. If the colours encode heights, name the "
+                            "code with InputOptions::decode: terrain-rgb or terrarium. If the band holds heights, mark "
+                            "it with gdal_translate -colorinterp gray",
+                            facts.name, band, colour),
+                facts.name);
 }
 
-/// Red, green and blue, and perhaps alpha.
+/// Requires red, green and blue, and perhaps alpha.
 void require_colours(GDALDatasetH dataset, const InputOptions& options, const RasterFacts& facts) {
   const int bands = GDALGetRasterCount(dataset) - static_cast<int>(facts.alphas.size());
   bool are_bytes = bands == 3 && (facts.alphas.empty() || facts.alphas.front() == 4);
@@ -41,9 +40,8 @@ void require_colours(GDALDatasetH dataset, const InputOptions& options, const Ra
   if (!are_bytes || options.band != 0) {
     throw Failure(
         Cause::invalid_argument,
-        fmt::format(
-            "{}: InputOptions::decode takes rasters of three bands of bytes, red, green and blue, and perhaps alpha{}",
-            facts.name, are_bytes ? "; InputOptions::band does not go with it" : ""),
+        fmt::format("{}: InputOptions::decode needs three bands of bytes, red, green and blue, and perhaps alpha{}",
+                    facts.name, are_bytes ? ". Remove InputOptions::band" : ""),
         facts.name);
   }
   constexpr std::array kOrder{GCI_RedBand, GCI_GreenBand, GCI_BlueBand};
@@ -51,19 +49,16 @@ void require_colours(GDALDatasetH dataset, const InputOptions& options, const Ra
     GDALRasterBandH band = GDALGetRasterBand(dataset, i);
     const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
     if (meaning != kOrder[static_cast<std::size_t>(i - 1)] && meaning != GCI_Undefined && meaning != GCI_GrayIndex) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format(
-              "{}: band {} is {}; InputOptions::decode takes red, green and blue in this order (gdal_translate -b "
-              "reorders bands)",
-              facts.name, i, GDALGetColorInterpretationName(meaning)),
-          facts.name);
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("{}: band {} is {}, but InputOptions::decode needs red, green and blue in this order. "
+                                "Reorder the bands with gdal_translate -b",
+                                facts.name, i, GDALGetColorInterpretationName(meaning)),
+                    facts.name);
     }
     if (GDALGetRasterScale(band, nullptr) != 1 || GDALGetRasterOffset(band, nullptr) != 0) {
       throw Failure(
           Cause::invalid_argument,
-          fmt::format("{}: band {} has a scale or an offset, which colours that stand for heights do not have",
-                      facts.name, i),
+          fmt::format("{}: band {} has a scale or an offset, but colours that encode heights have none", facts.name, i),
           facts.name);
     }
   }
@@ -73,13 +68,11 @@ void require_colours(GDALDatasetH dataset, const InputOptions& options, const Ra
       kind.find("LERC") != std::string_view::npos) {
     const char* reversible = GDALGetMetadataItem(dataset, "COMPRESSION_REVERSIBILITY", "IMAGE_STRUCTURE");
     if (reversible == nullptr || !std::string_view(reversible).starts_with("LOSSLESS")) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format(
-              "{} is compressed by {}, which changes colours a little and the heights they stand for by thousands of "
-              "metres; get it without loss",
-              facts.name, kind),
-          facts.name);
+      throw Failure(Cause::unsupported,
+                    fmt::format("{} is compressed by {}, which changes colours a little and so the encoded heights by "
+                                "thousands of metres. Use a copy without lossy compression",
+                                facts.name, kind),
+                    facts.name);
     }
   }
 }
@@ -94,10 +87,9 @@ void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& f
     (is_alpha ? facts.alphas : others).push_back(i);
   }
   if (others.empty()) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} has no band to take heights from{}", facts.name, bands > 0 ? ": it has alpha only" : ""),
-        facts.name);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("{} has no band of heights{}", facts.name, bands > 0 ? ": it has alpha only" : ""),
+                  facts.name);
   }
   facts.decode = options.decode;
   if (facts.decode != ColourCode::none) return require_colours(dataset, options, facts);
@@ -106,14 +98,15 @@ void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& f
   }
   facts.band = options.band == 0 ? others.front() : options.band;
   if (std::find(others.begin(), others.end(), facts.band) == others.end()) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has {} band{}{}: InputOptions::band {} names no heights of it", facts.name, bands,
-                              bands == 1 ? "" : "s", facts.alphas.empty() ? "" : ", alpha among them", facts.band),
-                  facts.name);
+    throw Failure(
+        Cause::invalid_argument,
+        fmt::format("{} has {} band{}{}, so InputOptions::band {} is not a band of heights", facts.name, bands,
+                    bands == 1 ? "" : "s", facts.alphas.empty() ? "" : ", alpha among them", facts.band),
+        facts.name);
   }
   if (others.size() > 1 && options.band == 0) {
-    facts.notes.push_back(
-        fmt::format("has {} bands of heights; the first is read, InputOptions::band chooses another", others.size()));
+    facts.notes.push_back(fmt::format(
+        "has {} bands of heights; Talus read the first (InputOptions::band chooses another)", others.size()));
   }
 }
 

@@ -1,17 +1,16 @@
 #pragma once
-// Which band of a raster holds heights, and what colours mean.
+// Finds the bands that hold heights, or colours that encode heights.
 
 #include "ingest/raster/raster_facts.hpp"
 
 namespace talus {
 
-/// Fills `band`, `alphas` and `decode`.
-/// fails  unsupported: colours, or colours that were compressed with loss; invalid_argument: no band of heights, or not
-/// the one or
-///        the colours that were asked for
+/// Sets `band`, `alphas` and `decode`.
+/// fails  unsupported: colours, or colours that were compressed with loss; invalid_argument: no band of heights, not
+///        the band or the colours that were asked for
 void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts);
 
-/// With a colour code: makes type, scale and offset those of the whole numbers that the colours write.
+/// If colours encode heights: sets type, scale and offset to those of the encoded numbers.
 void take_colour_code(RasterFacts& facts);
 
 }  // namespace talus

@@ -40,15 +40,14 @@ std::optional<Range> range_of(GDALDataType type) {
 void take_type(GDALRasterBandH band, RasterFacts& facts) {
   facts.type = GDALGetRasterDataType(band);
   if (!range_of(facts.type) && facts.type != GDT_Float32 && facts.type != GDT_Float64) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} has samples of type {}; Talus takes Byte, Int16, UInt16, Int32, UInt32, Float32 and "
-                              "Float64 (gdal_translate -ot converts)",
-                              facts.name, GDALGetDataTypeName(facts.type)));
+    throw Failure(Cause::unsupported, fmt::format("{} has samples of type {}. Talus reads Byte, Int16, UInt16, Int32, "
+                                                  "UInt32, Float32 and Float64: convert it with gdal_translate -ot",
+                                                  facts.name, GDALGetDataTypeName(facts.type)));
   }
   const char* signedness = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
   if (facts.type == GDT_Byte && signedness != nullptr && std::string_view{signedness} == "SIGNEDBYTE") {
     throw Failure(Cause::unsupported,
-                  fmt::format("{} has signed bytes; gdal_translate -ot Int16 converts them", facts.name));
+                  fmt::format("{} has signed bytes. Convert them with gdal_translate -ot Int16", facts.name));
   }
 }
 
@@ -56,20 +55,20 @@ void take_size(GDALDatasetH dataset, RasterFacts& facts) {
   facts.cols = GDALGetRasterXSize(dataset);
   facts.rows = GDALGetRasterYSize(dataset);
   if (facts.cols < 1 || facts.rows < 1 || facts.cols > kMaxExtent || facts.rows > kMaxExtent) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} is {} x {} samples; from 1 to {} a side can be taken in",
-                                                       facts.name, facts.cols, facts.rows, kMaxExtent));
+    throw Failure(Cause::invalid_argument, fmt::format("{} has {} x {} samples; expected 1 to {} a side", facts.name,
+                                                       facts.cols, facts.rows, kMaxExtent));
   }
 }
 
-constexpr std::array<double, 6> kNoGeotransform{0, 1, 0, 0, 0, 1};  // what GDAL says where a file says nothing
+constexpr std::array<double, 6> kNoGeotransform{0, 1, 0, 0, 0, 1};  // GDAL's answer if a file has none
 
-/// Control points that lie on a grid to the last bit or so are a geotransform by another name.
+/// Control points on a grid are as good as a geotransform.
 bool has_grid_of_control_points(GDALDatasetH dataset, std::array<double, 6>& geotransform) {
   const int count = GDALGetGCPCount(dataset);
   return count > 0 && GDALGCPsToGeoTransform(count, GDALGetGCPs(dataset), geotransform.data(), FALSE) != 0;
 }
 
-/// What GDAL knows of a raster's position beside a geotransform, in words.
+/// The position that a raster has instead of a geotransform, in words.
 std::string other_position_of(GDALDatasetH dataset) {
   if (const int count = GDALGetGCPCount(dataset); count > 0) return fmt::format("{} ground control points", count);
   if (GDALGetMetadata(dataset, "RPC") != nullptr) return "the coefficients of a camera (RPC)";
@@ -77,7 +76,7 @@ std::string other_position_of(GDALDatasetH dataset) {
   return "";
 }
 
-void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
+void read_placement(GDALDatasetH dataset, RasterFacts& facts) {
   std::array<double, 6>& t = facts.geotransform;
   facts.mapping = {0.5, -0.5, 1, -1};
   if (GDALGetGeoTransform(dataset, t.data()) != CE_None || t == kNoGeotransform) {
@@ -106,11 +105,11 @@ void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
   GridMapping& m = facts.mapping = {t[0] + 0.5 * t[1], t[3] + 0.5 * t[5], t[1], t[5]};
   if (facts.is_mirrored) {
     m.x0 += (cols - 1) * m.dx, m.dx = -m.dx;
-    facts.notes.push_back("columns run west and were turned");
+    facts.notes.push_back("columns run west; Talus reversed them");
   }
   if (facts.is_south_up) {
     m.y0 += (rows - 1) * m.dy, m.dy = -m.dy;
-    facts.notes.push_back("rows run north and were turned");
+    facts.notes.push_back("rows run north; Talus reversed them");
   }
   const char* point = GDALGetMetadataItem(dataset, "AREA_OR_POINT", nullptr);
   if (point != nullptr && EQUAL(point, "Point")) {
@@ -118,23 +117,20 @@ void take_placement(GDALDatasetH dataset, RasterFacts& facts) {
   }
 }
 
-/// What no raster of heights can be in, and where none can lie.
+/// Refuses coordinate systems and positions that no map of heights has.
 void require_possible(const RasterFacts& facts) {
   const OGRSpatialReference crs = crs_from(facts.crs_wkt);
   GdalScope gdal;
   if (crs.IsGeocentric() != 0) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("{} is in geocentric coordinates, which are no map; gdalwarp brings it to one", facts.name));
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is in geocentric coordinates. Project it with gdalwarp first", facts.name));
   }
   OGRAxisOrientation way = OAO_Up;
   if (crs.IsCompound() != 0 && crs.GetAxis("VERT_CS", 0, &way) != nullptr && way == OAO_Down) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format(
-            "{} counts depths downwards, and Talus heights upwards; turn their sign, and state a vertical coordinate "
-            "system of heights",
-            facts.name));
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} counts depths downwards, but Talus needs heights. Change the sign of its values and "
+                              "give it a vertical coordinate system of heights",
+                              facts.name));
   }
   if (crs.IsGeographic() == 0 || !facts.is_placed || facts.is_rotated) return;
   const GridMapping& m = facts.mapping;
@@ -142,26 +138,25 @@ void require_possible(const RasterFacts& facts) {
   const double beyond = std::max(std::abs(north), std::abs(south)) - quarter;
   const double far = std::max(std::abs(m.x0), std::abs(m.x(facts.cols - 1)));
   if (!(beyond <= std::abs(m.dy)) || !(far <= 12 * quarter)) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} spans latitudes {} to {} and longitudes {} to {}, which its "
-                                                       "coordinate system of degrees does not have; "
-                                                       "InputOptions::srs says which it is in",
+    throw Failure(Cause::invalid_argument, fmt::format("{} spans latitudes {} to {} and longitudes {} to {}, which are "
+                                                       "not degrees. Name its coordinate system with InputOptions::srs",
                                                        facts.name, south, north, m.x0, m.x(facts.cols - 1)));
   }
 }
 
-void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
+void read_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& facts) {
   OGRSpatialReferenceH handle = GDALGetSpatialRef(dataset);
   if (handle == nullptr && GDALGetGCPCount(dataset) > 0) handle = GDALGetGCPSpatialRef(dataset);
   if (handle != nullptr) facts.crs_wkt = wkt_of(*OGRSpatialReference::FromHandle(handle), facts.name);
   if (!options.srs.empty()) {
     const std::string said = wkt_of(options.srs, "InputOptions::srs");
     if (!facts.crs_wkt.empty() && !same_crs(said, facts.crs_wkt)) {
-      facts.notes.push_back("states another coordinate system than InputOptions::srs, which was taken");
+      facts.notes.push_back("states another coordinate system; Talus used InputOptions::srs");
     }
     facts.crs_wkt = said;
   }
   if (facts.crs_wkt.empty()) {
-    facts.notes.push_back("states no coordinate system, its cells count as metres; InputOptions::srs gives one");
+    facts.notes.push_back("states no coordinate system; Talus used metres (InputOptions::srs names one)");
   } else {
     require_possible(facts);
   }
@@ -170,12 +165,12 @@ void take_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& fa
 double known_unit(const std::string& unit, const std::string& name) {
   if (const std::optional<double> metres = metres_in(unit)) return *metres;
   throw Failure(Cause::unsupported,
-                fmt::format("{} has heights in \"{}\"; Talus knows metre, km, dm, cm, mm, foot and us-survey-foot, and "
-                            "InputOptions::vertical_unit says which it is",
+                fmt::format("{} has heights in \"{}\", a unit that Talus does not know. Name it with "
+                            "InputOptions::vertical_unit: metre, km, dm, cm, mm, foot or us-survey-foot",
                             name, unit));
 }
 
-// What the vertical part of the CRS says; empty: it has none.
+// The vertical unit of the CRS.
 struct StatedUnit {
   std::string name;
   double metres = 1;
@@ -190,7 +185,7 @@ std::optional<StatedUnit> unit_of_crs(const std::string& wkt) {
   return StatedUnit{name == nullptr ? "" : name, metres};
 }
 
-void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
+void read_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
   const std::string stated = GDALGetRasterUnitType(band);
   if (!options.vertical_unit.empty()) {
     const std::optional<double> metres = metres_in(options.vertical_unit);
@@ -203,8 +198,8 @@ void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
     facts.vertical_unit = options.vertical_unit;
     facts.metres_per_unit = *metres;
     if (!stated.empty() && metres_in(stated) != metres) {
-      facts.notes.push_back(fmt::format("states heights in \"{}\", not in {} as InputOptions::vertical_unit says",
-                                        stated, options.vertical_unit));
+      facts.notes.push_back(fmt::format("states heights in \"{}\"; Talus used InputOptions::vertical_unit {}", stated,
+                                        options.vertical_unit));
     }
     return;
   }
@@ -213,20 +208,18 @@ void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
     facts.vertical_unit = stated;
     facts.metres_per_unit = known_unit(stated, facts.name);
     if (of_crs && std::abs(of_crs->metres / facts.metres_per_unit - 1) > 1e-9) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format(
-              "{} states heights in \"{}\", its coordinate system in \"{}\"; InputOptions::vertical_unit decides",
-              facts.name, stated, of_crs->name));
+      throw Failure(Cause::unsupported, fmt::format("{} states heights in \"{}\", but its coordinate system in \"{}\". "
+                                                    "Choose one with InputOptions::vertical_unit",
+                                                    facts.name, stated, of_crs->name));
     }
     return;
   }
   facts.vertical_unit = "metre";
   if (!of_crs) {
-    facts.notes.push_back("states no vertical unit, metres were taken; InputOptions::vertical_unit gives another");
+    facts.notes.push_back("states no vertical unit; Talus used metres (InputOptions::vertical_unit names another)");
   } else if (of_crs->metres != 1) {
     facts.vertical_unit = of_crs->name;
-    const std::optional<double> known = metres_in(of_crs->name);  // to the last bit
+    const std::optional<double> known = metres_in(of_crs->name);  // the exact factor
     facts.metres_per_unit = known && std::abs(*known / of_crs->metres - 1) < 1e-9 ? *known : of_crs->metres;
   }
 }
@@ -234,11 +227,11 @@ void take_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
 double scale_or_offset(double value, bool is_scale, const std::string& name) {
   if (std::isfinite(value) && (!is_scale || value != 0)) return value;
   throw Failure(Cause::invalid_argument,
-                fmt::format("{} has a band {} of {}; it must be a finite number{}", name, is_scale ? "scale" : "offset",
+                fmt::format("{} has a band {} of {}; expected a finite number{}", name, is_scale ? "scale" : "offset",
                             value, is_scale ? " other than 0" : ""));
 }
 
-/// The value as a sample of the type, where it can be one.
+/// The value as a sample of the type; empty if the type cannot hold it.
 std::optional<double> as_sample(double value, GDALDataType type) {
   if (const std::optional<Range> range = range_of(type)) {
     if (value >= range->low && value <= range->high && value == std::nearbyint(value)) return value;
@@ -249,8 +242,8 @@ std::optional<double> as_sample(double value, GDALDataType type) {
   return static_cast<double>(static_cast<float>(value));
 }
 
-void take_voids(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
-  // A mask besides what the void value and alpha already say.
+void read_voids(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
+  // Whether there is a mask besides the void value and alpha.
   const int flags = GDALGetMaskFlags(band);
   facts.masked = (flags & (GMF_ALL_VALID | GMF_ALPHA)) == 0 && flags != GMF_NODATA;
   std::vector<std::string> kinds;
@@ -260,13 +253,13 @@ void take_voids(GDALRasterBandH band, const InputOptions& options, RasterFacts& 
     if (const std::optional<double> sample = as_sample(value, facts.type)) {
       if (!std::isnan(*sample)) facts.nodata = *sample;
     } else {
-      facts.notes.push_back(fmt::format("the void value {} is none that {} can hold: nothing is void by it", value,
-                                        GDALGetDataTypeName(facts.type)));
+      facts.notes.push_back(fmt::format("the void value {} does not fit the sample type {}, so it makes no sample void",
+                                        value, GDALGetDataTypeName(facts.type)));
     }
     kinds.push_back(fmt::format("{}", value));
   } else {
     for (const double said : options.nodata) {
-      // Of colours nobody knows the number, but the height.
+      // If colours encode heights, users know the height, not the raw number.
       const double raw = facts.decode == ColourCode::none ? said : std::round((said - facts.offset) / facts.scale);
       const std::optional<double> sample = as_sample(raw, facts.type);
       if (!sample) continue;
@@ -284,13 +277,13 @@ std::uint64_t block_bytes_of(GDALDatasetH dataset) {
   if (band == nullptr) return 0;
   int cols = 0, rows = 0;
   GDALGetBlockSize(band, &cols, &rows);
-  // Blocks of interleaved bands come together.
+  // GDAL reads blocks of interleaved bands together.
   return static_cast<std::uint64_t>(cols) * static_cast<std::uint64_t>(rows) *
          static_cast<std::uint64_t>(GDALGetDataTypeSizeBytes(GDALGetRasterDataType(band))) *
          static_cast<std::uint64_t>(GDALGetRasterCount(dataset));
 }
 
-/// Of the dataset and, where it joins others, of those: its own blocks are small, whatever is behind them.
+/// The largest block of a dataset and, if it is a virtual raster, of its sources.
 std::uint64_t largest_block(GDALDatasetH dataset, const InputOptions& options) {
   std::uint64_t largest = block_bytes_of(dataset);
   if (std::string_view(GDALGetDriverShortName(GDALGetDatasetDriver(dataset))) != "VRT") return largest;
@@ -300,7 +293,7 @@ std::uint64_t largest_block(GDALDatasetH dataset, const InputOptions& options) {
       const AdmittedRaster joined = admit_raster(files[i], options);
       if (joined.dataset && GDALGetRasterCount(joined.dataset.get()) > 0)
         largest = std::max(largest, largest_block(joined.dataset.get(), options));
-    } catch (const Failure&) {  // overviews and the like; what is no raster is not read as one
+    } catch (const Failure&) {  // an overview or the like
     }
   }
   return largest;
@@ -323,7 +316,6 @@ DatasetOwner open_dataset(const RasterFacts& facts) {
 
 namespace {
 
-/// Whatever fails while one file is looked at is about that file.
 template <class Look>
 auto about(const std::string& file, Look&& look) {
   try {
@@ -334,30 +326,27 @@ auto about(const std::string& file, Look&& look) {
   }
 }
 
-/// A virtual raster must say where its sources have no data, or it makes heights of what is none.
+/// A virtual raster must declare the voids of its sources; otherwise void samples would become heights.
 void require_all_voids(const AdmittedRaster& input, GDALRasterBandH band, const RasterFacts& facts) {
   const bool has_transparency = facts.masked || !facts.alphas.empty();
   const std::string& hidden = input.alpha_in.empty() ? input.voids_in : input.alpha_in;
   if (input.interpolates && (has_transparency || !input.alpha_in.empty() || facts.decode != ColourCode::none)) {
     throw Failure(
         Cause::unsupported,
-        fmt::format(
-            "{} is a virtual raster that interpolates its sources, and {} would change the heights beside it; name "
-            "its sources instead, and say how to resample them",
-            facts.name, facts.decode != ColourCode::none ? "colours" : "what is transparent or masked in them"));
+        fmt::format("{} is a virtual raster that interpolates its sources: {} would change the heights nearby. Name "
+                    "the sources as inputs, and choose InputOptions::resampling",
+                    facts.name, facts.decode != ColourCode::none ? "colours" : "transparent or masked samples"));
   }
   int declares = 0;
   GDALGetRasterNoDataValue(band, &declares);
   if (has_transparency || (declares != 0 && input.alpha_in.empty()) || hidden.empty()) return;
-  throw Failure(
-      Cause::unsupported,
-      fmt::format(
-          "{} is a virtual raster that does not say where its source {} has no data; carry {} over (gdalbuildvrt "
-          "does, without -b), or name the sources instead",
-          facts.name, hidden, input.alpha_in.empty() ? "the void value" : "the mask or alpha"));
+  throw Failure(Cause::unsupported,
+                fmt::format("{} is a virtual raster without {} of its source {}. Make it again by gdalbuildvrt without "
+                            "-b, or name the sources as inputs",
+                            facts.name, input.alpha_in.empty() ? "the void value" : "the mask or alpha", hidden));
 }
 
-/// A TIFF that is cut short has blocks beyond its end; where it has none at all, GDAL reads zeros.
+/// Refuses a TIFF with blocks beyond its end. GDAL reads zeros if none is left.
 void require_whole_tiff(GDALDatasetH dataset, const std::string& name, std::uint64_t bytes) {
   for (int i = 1; i <= GDALGetRasterCount(dataset); ++i) {
     GDALRasterBandH band = GDALGetRasterBand(dataset, i);
@@ -385,7 +374,7 @@ AdmittedRaster open_input(const fs::path& file, const InputOptions& options) {
       facts.file = admitted.file;
       facts.name = file.string();
       facts.driver = admitted.driver;
-      admitted.dataset = open_dataset(facts);  // which says why it cannot be
+      admitted.dataset = open_dataset(facts);  // fails and says why
     }
     const GdalScope gdal;
     if (admitted.driver == "GTiff")
@@ -414,13 +403,13 @@ RasterFacts look_at(AdmittedRaster input, const fs::path& file, const InputOptio
     take_type(band, facts);
     take_size(dataset, facts);
     facts.block_bytes = largest_block(dataset, options);
-    take_placement(dataset, facts);
-    take_crs(dataset, options, facts);
-    take_unit(band, options, facts);
+    read_placement(dataset, facts);
+    read_crs(dataset, options, facts);
+    read_unit(band, options, facts);
     facts.scale = scale_or_offset(GDALGetRasterScale(band, nullptr), true, facts.name);
     facts.offset = scale_or_offset(GDALGetRasterOffset(band, nullptr), false, facts.name);
     take_colour_code(facts);
-    take_voids(band, options, facts);
+    read_voids(band, options, facts);
     require_all_voids(input, band, facts);
     if (facts.driver == "AAIGrid") require_whole_ascii_grid(facts.file, facts.name, facts.cols, facts.rows);
     return facts;
@@ -435,7 +424,7 @@ void require_distinct(const GridMapping& m, GridRect extent, const std::string& 
   }
   if (!distinct) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has cells of {} x {} at {}, {}: too small for doubles to tell apart", name, m.dx,
+                  fmt::format("{} has cells of {} x {} at {}, {}: too small for different coordinates", name, m.dx,
                               -m.dy, m.x0, m.y0));
   }
 }
@@ -443,10 +432,10 @@ void require_distinct(const GridMapping& m, GridRect extent, const std::string& 
 void require_own_grid(const RasterFacts& facts) {
   if (facts.is_rotated) {
     const std::array<double, 6>& t = facts.geotransform;
-    throw Failure(Cause::unsupported, fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}); "
-                                                  "InputOptions::target_srs, InputOptions::target_dx or "
-                                                  "gdalwarp make it north-up",
-                                                  facts.name, t[0], t[1], t[2], t[3], t[4], t[5]));
+    throw Failure(Cause::unsupported,
+                  fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}). Resample it with "
+                              "InputOptions::target_srs, InputOptions::target_dx or gdalwarp",
+                              facts.name, t[0], t[1], t[2], t[3], t[4], t[5]));
   }
   require_distinct(facts.mapping, {{0, 0}, {facts.cols - 1, facts.rows - 1}}, facts.name);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What one raster file says of itself, and what is made of it.
+// The facts of a raster file, and how Talus reads it.
 
 #include <array>
 #include <cstdint>
@@ -24,76 +24,75 @@ inline constexpr double kLargestHeight = 1e6;  ///< metres, up or down
 
 struct LaidRasters;
 
-/// How a raster is put on a grid that is not its own: with all rasters of its own grid, which are laid together first,
-/// so that samples beside a joint are interpolated across it.
+/// How a raster is resampled to another grid. All rasters of its own grid are laid together first, so that heights
+/// beside a joint are interpolated across it.
 struct Warp {
   std::shared_ptr<const LaidRasters> laid;
-  int member = 0;                    ///< which of those this raster is
-  GDALDataType type = GDT_Float32;   ///< of resampled samples
-  GridRect place{{0, 0}, {-1, -1}};  ///< the samples of the target that can come from this raster
+  int member = 0;                    ///< the number of this raster among them
+  GDALDataType type = GDT_Float32;   ///< type of the resampled samples
+  GridRect place{{0, 0}, {-1, -1}};  ///< the samples of the target that this raster can change
 };
 
-/// The band of one file that holds its heights. Everything but `place`, `warp` and `crs_wkt` under --srs is the file's
-/// own.
+/// The band of a file that holds its heights. All but `place`, `warp` and a replaced `crs_wkt` comes from the file.
 struct RasterFacts {
-  std::filesystem::path file;  ///< what is opened: absolute, admitted
-  std::string name;            ///< as failures call it: as it was named
+  std::filesystem::path file;  ///< absolute and admitted
+  std::string name;            ///< as the user named it, for failures
   std::string driver;
-  std::string variable;  ///< of a file that holds several rasters
+  std::string variable;  ///< the raster in a file with several
   std::uint64_t bytes = 0;
-  std::vector<FileState> files;  ///< all that it is read from
+  std::vector<FileState> files;  ///< all files that it is read from
 
-  int band = 1;             ///< that holds the heights; with a colour code the first of three
-  std::vector<int> alphas;  ///< bands that say where the raster is transparent: where one is 0, nothing is data
+  int band = 1;             ///< the band of heights; of encoded colours, the first of three
+  std::vector<int> alphas;  ///< bands that are 0 where the raster is void
   ColourCode decode = ColourCode::none;
-  GDALDataType type = GDT_Unknown;  ///< of the samples that are read, decoded if they are colours
+  GDALDataType type = GDT_Unknown;  ///< type of samples as read; if they are colours, as decoded
   int cols = 0, rows = 0;
   double scale = 1, offset = 0;
-  std::uint64_t block_bytes = 0;  ///< of the largest block that GDAL reads as a whole, here or in a file joined by it
-  std::optional<double> nodata;   ///< the raw sample that means void, where the type has it; NaN is void anyway
-  std::vector<double> assumed_voids;  ///< raw samples that mean void, said from outside where the file says nothing
-  bool masked = false;                ///< there is a mask beside it
-  std::string void_text;              ///< what means void, in words; empty: nothing
+  std::uint64_t block_bytes = 0;      ///< size of the largest block that GDAL reads as a whole, here or in a source
+  std::optional<double> nodata;       ///< the raw sample that means void, if the type has it; NaN is always void
+  std::vector<double> assumed_voids;  ///< raw samples that mean void because the user said so
+  bool masked = false;                ///< has a mask
+  std::string void_text;              ///< all that means void, in words; empty: nothing
 
   bool is_placed = false, is_rotated = false;
-  /// How else it states where it lies, in words: "ground control points"; empty: not at all
+  /// Another statement of its position, in words: "ground control points"; empty: none
   std::string other_position;
   std::array<double, 6> geotransform{0, 1, 0, 0, 0, -1};
-  bool is_mirrored = false, is_south_up = false;  ///< columns run west, rows north: to be turned
-  GridMapping mapping;                            ///< of the turned raster; meaningless where it is rotated
+  bool is_mirrored = false, is_south_up = false;  ///< columns run west, rows run north
+  GridMapping mapping;                            ///< after reversing; meaningless if it is rotated
 
   std::string crs_wkt;
   std::string vertical_unit;
   double metres_per_unit = 1;
-  std::vector<std::string> notes;  ///< "rows run north and were turned"
+  std::vector<std::string> notes;  ///< "rows run north; Talus reversed them"
 
   GridRect place{{0, 0}, {-1, -1}};     ///< on the common grid
-  std::vector<std::int32_t> also_east;  ///< where it lies again, so many columns further: the same longitudes
+  std::vector<std::int32_t> also_east;  ///< further places, so many columns east: the same longitudes
   std::optional<Warp> warp;
 
-  /// Of the samples that are read: the result's where the raster is resampled.
+  /// The type of samples as read; if resampled, of the result.
   [[nodiscard]] GDALDataType read_type() const { return warp ? warp->type : type; }
   [[nodiscard]] bool is_integer() const { return read_type() != GDT_Float32 && read_type() != GDT_Float64; }
 };
 
-/// The file, admitted and opened by the driver it was admitted for.
-/// fails  not_found, unsupported: see raster_guard.hpp; io. The failure names the file
+/// Admits the file and opens it by its driver.
+/// fails  not_found, unsupported: see raster_guard.hpp; io; names the file
 [[nodiscard]] AdmittedRaster open_input(const std::filesystem::path& file, const InputOptions& options);
 
-/// Looks at an open input, and closes it.
+/// Reads the facts of an open input, and closes it.
 ///
 /// file   its name, for failures
 /// fails  not_found; unsupported: see raster_guard.hpp, colours, sample type, vertical unit; invalid_argument: no band,
-///        size or numbers that make no sense; io. The failure names the file
+///        impossible size or numbers; io; names the file
 [[nodiscard]] RasterFacts look_at(AdmittedRaster input, const std::filesystem::path& file, const InputOptions& options);
 [[nodiscard]] RasterFacts look_at(const std::filesystem::path& file, const InputOptions& options);
 
-/// The admitted file, opened again.
+/// Opens the admitted file again.
 [[nodiscard]] DatasetOwner open_dataset(const RasterFacts& facts);
 
-/// fails  unsupported: rotation; invalid_argument: cells so small that doubles cannot tell them apart
+/// fails  unsupported: rotation; invalid_argument: cells too small for different coordinates
 void require_own_grid(const RasterFacts& facts);
-/// fails  invalid_argument: samples of the extent that doubles cannot tell apart
+/// fails  invalid_argument: neighbouring samples of the extent have the same coordinates
 void require_distinct(const GridMapping& mapping, GridRect extent, const std::string& name);
 
 }  // namespace talus

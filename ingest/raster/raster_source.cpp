@@ -20,7 +20,7 @@ constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
                                    : std::is_same_v<T, std::int16_t> ? GDT_Int16
                                    : std::is_same_v<T, float>        ? GDT_Float32
                                                                      : GDT_Float64;
-// As wide as T, so that comparisons stay in their lanes.
+// As wide as T, so that comparisons vectorize.
 template <class T>
 using Bits =
     std::conditional_t<sizeof(T) == 2, std::int16_t, std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>>;
@@ -33,9 +33,8 @@ void turn(const Patch<T>& patch, bool mirrored, bool south_up) {
   }
 }
 
-/// Which raw samples the void value stands for. Floats are written and rounded in more than one way, so GDAL takes what
-/// is close to the value for it, by a rule that changes with its versions: it is asked about samples between `low` and
-/// `high`.
+/// The raw samples that mean void. GDAL also accepts floats close to the void value, by a rule that differs between
+/// versions. So GDAL is asked about samples from `low` to `high`.
 template <class T>
 struct VoidValue {
   bool is_stated = false;
@@ -50,7 +49,7 @@ VoidValue<T> void_value(const RasterFacts& facts) {
   rule.value = rule.low = rule.high = static_cast<T>(*facts.nodata);
   if (facts.is_integer()) return rule;
   const double value = *facts.nodata, around = std::abs(value) * 1e-3 + 1e-6;
-  constexpr double kHuge = 1e30;  // beyond it nothing is a height
+  constexpr double kHuge = 1e30;  // beyond it, no number is a height
   const double most = std::numeric_limits<T>::max();
   const auto held = [most](double v) { return static_cast<T>(std::clamp(v, -most, most)); };
   rule.low = held(value < -kHuge ? -most : value > kHuge ? kHuge : value - around);
@@ -58,7 +57,7 @@ VoidValue<T> void_value(const RasterFacts& facts) {
   return rule;
 }
 
-/// All data, all heights.
+/// Whether all samples are valid and certainly heights.
 template <class T>
 bool is_plain(const Patch<T>& patch, const VoidValue<T>& nodata, const SureHeights<T>& sure) {
   const T low = sure.low, high = sure.high, void_low = nodata.low, void_high = nodata.high;
@@ -78,8 +77,8 @@ bool is_plain(const Patch<T>& patch, const VoidValue<T>& nodata, const SureHeigh
   return true;
 }
 
-/// Marks in `valid` what the samples themselves say: NaN, and the void value to the last bit.
-/// returns whether some are close to the void value
+/// Marks NaN and exact void values in `valid`.
+/// returns  whether some samples are close to the void value
 template <class T>
 bool mark_voids(const Patch<T>& patch, const VoidValue<T>& nodata, const Patch<std::uint8_t>& valid) {
   const T value = nodata.value, low = nodata.low, high = nodata.high;
@@ -109,7 +108,7 @@ void mark_value(const Patch<T>& patch, T value, const Patch<std::uint8_t>& valid
   }
 }
 
-/// Where another band is 0.
+/// Marks samples as void where `other` is 0.
 template <class T>
 void mark_where_0(const Patch<T>& other, const Patch<std::uint8_t>& valid) {
   for (std::size_t r = 0; r < valid.rows; ++r) {
@@ -128,7 +127,7 @@ void clear_voids(const Patch<T>& patch, const Patch<std::uint8_t>& valid) {
   }
 }
 
-/// Memory for another band of the same samples.
+/// Memory for another band of the same rectangle.
 template <class T>
 struct Beside {
   explicit Beside(std::size_t cols, std::size_t rows) : memory(cols * rows), patch{memory.data(), cols, rows, cols} {}
@@ -151,7 +150,7 @@ RasterSource::RasterSource(const RasterFacts& facts)
   if (band_ == nullptr || std::count(alphas_.begin(), alphas_.end(), nullptr) > 0 ||
       GDALGetRasterXSize(dataset) != facts.cols || GDALGetRasterYSize(dataset) != facts.rows ||
       GDALGetRasterDataType(band_) != type) {
-    throw Failure(Cause::io, fmt::format("{} changed while it was being read", facts.name), facts.name);
+    throw Failure(Cause::io, fmt::format("{} changed while it was read", facts.name), facts.name);
   }
   if (facts.masked) mask_ = GDALGetMaskBand(band_);
   if (facts.nodata && GDALGetMaskFlags(band_) == GMF_NODATA) nodata_mask_ = GDALGetMaskBand(band_);

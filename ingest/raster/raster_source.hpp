@@ -1,5 +1,5 @@
 #pragma once
-// One open raster, read as height codes.
+// Reads one raster as height codes.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,20 +11,21 @@
 
 namespace talus {
 
-/// A sample is void by nodata, mask, alpha or NaN, and has the code 0 then. South-up and mirrored rasters are turned.
+/// An open raster. A sample is void by nodata, mask, alpha or NaN; its code is 0 then. South-up and mirrored rasters
+/// are reversed.
 class RasterSource {
  public:
   /// Opens the file again.
-  /// fails  io: it is no longer what it was; unsupported
+  /// fails  io: the file has changed; unsupported
   explicit RasterSource(const RasterFacts& facts);
 
-  /// Reads samples of the grid that `facts.place` lies on into `codes`, whose rows are `stride` apart.
+  /// Reads a rectangle of the grid of `facts.place` into `codes`, whose rows are `stride` apart.
   ///
-  /// T       int16_t, float or double, one that holds every raw sample and every code
-  /// valid   says where which samples are data goes, one byte each, rows as far apart; asked only if some may be void
-  /// returns whether it was asked; if not, all are data
-  /// fails   io: names the rows; invalid_argument: a sample that is no height
-  /// cost    one read of the file
+  /// T        int16_t, float or double: holds every raw sample and every code
+  /// valid    gives memory for the mask, one byte a sample, same stride; called only if some samples may be void
+  /// returns  whether `valid` was called; if not, all samples are valid
+  /// fails    io: names the rows; invalid_argument: a sample that is not a height
+  /// cost     reads the rectangle once
   template <class T>
   bool read(GridRect part, const RasterCoding& coding, T* codes, std::size_t stride,
             const std::function<std::uint8_t*()>& valid) const;
@@ -33,8 +34,8 @@ class RasterSource {
   RasterFacts facts_;
   DatasetOwner dataset_;
   GDALRasterBandH band_ = nullptr;
-  GDALRasterBandH mask_ = nullptr;         // null where there is none, or nodata says it all
-  GDALRasterBandH nodata_mask_ = nullptr;  // what GDAL makes of nodata: cells written with other digits, too
+  GDALRasterBandH mask_ = nullptr;         // null if there is none, or if nodata says it all
+  GDALRasterBandH nodata_mask_ = nullptr;  // GDAL's mask of nodata, also for values written with other digits
   std::vector<GDALRasterBandH> alphas_;
 
   [[nodiscard]] GDALRasterBandH band(int number) const;

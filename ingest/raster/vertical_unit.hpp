@@ -1,5 +1,5 @@
 #pragma once
-// Words for vertical units.
+// Names of vertical units.
 
 #include <optional>
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace talus {
 
-/// Metres in the unit that files, CRSs and the command line call so, in any case of letters; none if Talus does
-/// not know the word. The empty word is the metre.
+/// Metres per unit, by the unit's name in files, CRSs and options, in any letter case; empty if it is unknown. An empty
+/// name is the metre.
 [[nodiscard]] std::optional<double> metres_in(std::string_view unit);
 
 }  // namespace talus

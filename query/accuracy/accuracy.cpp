@@ -1,5 +1,5 @@
-// The plan: choose windows, read their truth, count what tolerances select, then measure tolerance by tolerance, coarse
-// first; find the tolerance that a budget buys by asking; at last, the maps.
+// Steps: choose windows, read their truth, choose tolerances by counting vertices, measure them from coarse to fine,
+// find the tolerance for a time budget, draw maps.
 
 #include "talus/accuracy.hpp"
 
@@ -27,20 +27,20 @@
 namespace talus {
 namespace {
 
-constexpr double kHardlyLess = 0.98;  // of the finest answer's vertices: finer steps have nothing to show
-constexpr double kHardlyGained = 0.01, kMost = 0.8;  // of them: nor has a step that adds so few where most are there
-constexpr double kHardlyMore = 1.1;                  // than the border needs: nor have coarser ones
+// A finer step is left out if its vertices are nearly all of the finest answer's, or if it adds few and most are there;
+// a coarser one if it needs few more than the border.
+constexpr double kHardlyLess = 0.98, kHardlyGained = 0.01, kMost = 0.8, kHardlyMore = 1.1;
 constexpr std::size_t kMostSteps = 18;
-constexpr int kTries = 4;                           // for a budget
-constexpr double kNearlyTheSame = 1.25;             // times of neighbouring steps
-constexpr int kColdRounds = 3;                      // of several windows one: the median is over them
-constexpr int kLeastRounds = 5, kMostRounds = 101;  // of warm answers
-constexpr double kRoundsSeconds = 2;                // enough, after the least
+constexpr int kTries = 4;                           // questions to find the tolerance for a budget
+constexpr double kNearlyTheSame = 1.25;             // ratio of the times of neighbouring steps
+constexpr int kColdRounds = 3;                      // if there is one window; with several, the median is over windows
+constexpr int kLeastRounds = 5, kMostRounds = 101;  // rounds of warm answers
+constexpr double kRoundsSeconds = 2;                // enough, after the least number of rounds
 constexpr std::int32_t kLeastWindow = 17, kMostWindow = 4097;
-constexpr std::int32_t kMapSide = 700, kMapsSide = 342;  // cells of one map alone, of one of several
+constexpr std::int32_t kMapSide = 700, kMapsSide = 342;  // cells: a single map, and each of several
 
-// For the time left: what a tolerance takes, in times of what it took to count its vertices, and the share of that
-// which is not asking again. Measured on windows of 1025 × 1025 of Taiwan.
+// To estimate the time left: the time for a tolerance, as a multiple of the time to count its vertices; and its share
+// before the warm rounds. Measured on windows of 1025 × 1025 samples of Taiwan.
 constexpr double kTimesCounting = 20, kFirstShare = 0.8;
 
 template <class T>
@@ -50,7 +50,7 @@ T median(std::vector<T> values) {
   return *middle;
 }
 
-/// The place of the median.
+/// The index of the median.
 std::size_t median_place(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -58,21 +58,21 @@ std::size_t median_place(const std::vector<double>& values) {
   return order[order.size() / 2];
 }
 
-/// 1, 2 and 5 times a power of ten, counted: 0 is 1, 1 is 2, 2 is 5, 3 is 10. As decimals are read, so that 0.2 is 0.2.
+/// The n-th of 1, 2, 5, 10, …, also for negative n. The double nearest to the decimal: 0.2 is 0.2.
 double round_number(int step) {
   constexpr double kDigits[] = {1, 2, 5};
   const int decade = step >= 0 ? step / 3 : -((2 - step) / 3);
   const double digit = kDigits[step - 3 * decade];
   return decade >= 0 ? digit * std::pow(10, decade) : digit / std::pow(10, -decade);
 }
-/// The largest below a number above 0.
+/// The n of the largest round number below `number`, which is above 0.
 int round_step_below(double number) {
   int step = 3 * static_cast<int>(std::floor(std::log10(number))) + 3;
   while (round_number(step) >= number) --step;
   return step;
 }
 
-/// Two digits, upward.
+/// Rounds up to two digits.
 double two_digits(double number) {
   const int decade = static_cast<int>(std::floor(std::log10(number))) - 1;
   const double scale = std::pow(10, std::abs(decade));
@@ -102,7 +102,7 @@ class Study {
     if (const auto& r = options.region;
         r && (r->cols() < 1 || r->rows() < 1 || !description_.extent.contains(r->first) ||
               !description_.extent.contains(r->last))) {
-      throw Failure(Cause::invalid_argument, "the region to measure is empty or reaches out of the extent");
+      throw Failure(Cause::invalid_argument, "the region to measure is empty or reaches beyond the extent");
     }
     AskedWindows asked =
         windows_of(now, options.region.value_or(description_.extent), options.region.has_value(), options.window);
@@ -122,7 +122,7 @@ class Study {
 
   void measure_all() {
     {
-      static_cast<void>(open());  // and closed, so that nothing of the file is mapped
+      static_cast<void>(open());  // closed at once, so that the file is not mapped
       drop_from_memory(file_);
       report.share_in_memory = share_in_memory(file_);
     }
@@ -145,14 +145,14 @@ class Study {
  private:
   struct Step {
     Metres tolerance;
-    double seconds;  ///< that counting its vertices took
+    double seconds;  ///< time to count its vertices
   };
 
   void require_sense() const {
     for (const Metres tolerance : options_.tolerances) {
       if (!(tolerance.value >= 0) || !std::isfinite(tolerance.value))
         throw Failure(Cause::invalid_argument,
-                      fmt::format("a tolerance of {} m: expected 0 or more, finite", tolerance.value));
+                      fmt::format("a tolerance of {} m: expected a finite number, 0 or more", tolerance.value));
     }
     if (options_.window && (*options_.window < kLeastWindow || *options_.window > kMostWindow)) {
       throw Failure(Cause::invalid_argument, fmt::format("a window of {} samples a side: expected {} to {}",
@@ -160,7 +160,7 @@ class Study {
     }
   }
 
-  /// Without decoded pages to find: a viewer seldom asks for the place it has just asked for.
+  /// Opens without a cache of pages: a viewer seldom asks for the same place again.
   [[nodiscard]] Database open() const { return Database::open(file_, {.cache_bytes = 0, .threads = options_.threads}); }
 
   void tell(const std::string& stage) const {
@@ -208,9 +208,9 @@ class Study {
         if (std::isfinite(error)) largest = std::max(largest, error);
       }
     }
-    // Beside voids errors may be larger than any distance between surface and sample can be.
+    // Beside voids, errors may exceed the range of heights.
     largest = std::min(largest, (description_.maximum - description_.minimum) * description_.metres_per_unit);
-    // Below this answers are all the same.
+    // Below this tolerance, all answers are equal.
     const double floor = std::max(description_.lossy_metres, description_.finest_tolerance);
     if (!(largest > floor)) {
       add_step(now, Metres{floor});
@@ -221,7 +221,7 @@ class Study {
     for (int step = round_step_below(largest); steps_.size() < kMostSteps; --step) {
       const double tolerance = std::max(round_number(step), floor);
       const auto vertices = static_cast<double>(add_step(now, Metres{tolerance}));
-      // Of steps that need next to nothing the last is enough.
+      // Keep only the last step that needs little more than the border.
       if (steps_.size() == 2 && vertices <= kHardlyMore * static_cast<double>(border)) steps_.erase(steps_.begin());
       const double all = static_cast<double>(finest);
       if (tolerance <= floor || vertices >= kHardlyLess * all) return;
@@ -233,7 +233,7 @@ class Study {
     }
   }
 
-  /// What measuring a tolerance takes, about.
+  /// Estimated seconds to measure a tolerance.
   [[nodiscard]] static double work(const Step& step) { return kTimesCounting * step.seconds; }
 
   void estimate_work(double seconds_so_far) {
@@ -243,20 +243,20 @@ class Study {
       all_ += work(step);
       most = std::max(most, work(step));
     }
-    all_ += most;  // for the advice and the maps
+    all_ += most;  // advice and maps
   }
 
-  /// What time an answer's mesh takes.
+  /// Asks and measures the time.
   Mesh timed_answer(const Snapshot& now, GridRect window, Metres tolerance, Answer& answer, double& seconds) const {
     const Stopwatch stopwatch(seconds);
     answer = now.ask({.region = window, .tolerance = tolerance});
     return triangulate(answer.quadtree, options_.threads);
   }
 
-  /// What warm answers of a tolerance took, by window.
+  /// Times of warm answers at a tolerance, by window.
   using Rounds = std::vector<std::vector<double>>;
 
-  /// All but warm times; `share` of the work is done then.
+  /// Measures all but warm times. `share` is the work done by then.
   AccuracyPoint measure(Metres tolerance, double share) {
     const std::string stage = fmt::format("asking at {} m", tolerance.value);
     std::vector<double> cold;
@@ -325,12 +325,13 @@ class Study {
     point.warm_high_seconds = rising[rising.size() - 1 - rising.size() / 4];
   }
 
-  /// Rounds over some points, so many that times are steady.
+  /// Measures warm times in rounds over all points, until the times are steady.
   void measure_warm(std::span<AccuracyPoint* const> points, double share) {
     std::vector<Rounds> rounds(points.size());
     const Snapshot now = open().snapshot();
     for (const GridRect& window : report.windows)
-      static_cast<void>(now.ask({.region = window, .tolerance = points.back()->tolerance}));  // into memory
+      static_cast<void>(
+          now.ask({.region = window, .tolerance = points.back()->tolerance}));  // reads the file into memory
     double seconds = 0;
     for (int round = 0; round < kLeastRounds || (round < kMostRounds && seconds < kRoundsSeconds); ++round) {
       const Stopwatch stopwatch(seconds);
@@ -343,7 +344,7 @@ class Study {
     for (std::size_t i = 0; i < points.size(); ++i) settle_warm(*points[i], rounds[i]);
   }
 
-  /// In rounds with its neighbours, as they were: alone, an answer finds the processor's caches as it left them.
+  /// Measures a point together with its neighbours, because the processor's caches matter.
   AccuracyPoint measure_between(AccuracyPoint coarse, Metres tolerance, AccuracyPoint fine) {
     AccuracyPoint point = measure(tolerance, 0);
     AccuracyPoint* const points[] = {&coarse, &point, &fine};
@@ -355,8 +356,7 @@ class Study {
     return [this, window](GridRect part) { return part_of(truth_[window], part); };
   }
 
-  /// What an answer takes, or a finer one took: it does no more than that one, so that it was slower is the machine's
-  /// doing.
+  /// Seconds for a point: its own time, or that of a finer point if that was faster.
   [[nodiscard]] double seconds_for(std::size_t point) const {
     double seconds = report.points[point].warm_seconds;
     for (std::size_t i = point; i < report.points.size(); ++i)
@@ -364,9 +364,8 @@ class Study {
     return seconds;
   }
 
-  /// Between the two points that bracket the budget a straight line in logarithms says where to ask first, halves of
-  /// what is left where to ask then. Where the two take nearly the same time, what lies between them is the machine's
-  /// wavering, and the coarser one it is.
+  /// Finds the tolerance for the time budget between the two points around it: first by a straight line in logarithms,
+  /// then by halving. If the two take nearly the same time, the difference is noise, and the coarser one is the advice.
   void advise() {
     AccuracyAdvice& advice = report.advice;
     std::vector<AccuracyPoint>& points = report.points;
@@ -463,10 +462,10 @@ class Study {
   std::filesystem::path file_;
   const AccuracyOptions& options_;
   Description description_;
-  std::vector<SampleWindow> truth_;  ///< by window
+  std::vector<SampleWindow> truth_;  ///< one per window
   std::vector<Step> steps_;
   std::vector<double> opening_;
-  double done_ = 0, all_ = 0;  ///< seconds, as estimated
+  double done_ = 0, all_ = 0;  ///< seconds, estimated
 };
 
 }  // namespace

@@ -14,20 +14,22 @@
 namespace talus {
 namespace {
 
-constexpr std::int32_t kWindow = 1025;                           // samples a side
-constexpr std::int64_t kWhole = std::int64_t{2049} * 2049;       // samples that are asked about as they are
-constexpr std::int64_t kWholeNamed = std::int64_t{4097} * 4097;  // and if named; all windows together have no more
+constexpr std::int32_t kWindow = 1025;                      // samples per side
+constexpr std::int64_t kWhole = std::int64_t{2049} * 2049;  // samples: a larger region gets windows
+constexpr std::int64_t kWholeNamed =
+    std::int64_t{4097} * 4097;  // the same for a named region, and the most samples in all windows
 constexpr std::int64_t kMostWindows = 9;
-constexpr double kMostPlaces = 1024;    // looked at
-constexpr double kTerrainShare = 0.03;  // of all samples: a tolerance that needs as many tells terrain from flat sea
-constexpr std::int64_t kFlatSamples = 128;  // one vertex in so many samples, and fewer, is flat, or the rim of a void
+constexpr double kMostPlaces = 1024;  // examined
+constexpr double kTerrainShare =
+    0.03;  // share of all samples: a tolerance that needs as many vertices separates terrain from flat sea
+constexpr std::int64_t kFlatSamples = 128;  // places with at most one vertex per so many samples are flat
 
 struct Span {
   std::int32_t first, last;
 };
 
-/// Windows side by side in a line of samples, at multiples of their width where one fits. Where they are many, every
-/// nth.
+/// Windows side by side in a line of samples, at multiples of their width where one fits. If there are too many, every
+/// n-th.
 std::vector<Span> spans(std::int32_t first, std::int32_t last, std::int32_t cells) {
   if (std::int64_t{last} - first <= cells) return {{first, last}};
   std::int64_t at = static_cast<std::int64_t>(std::ceil(static_cast<double>(first) / cells)) * cells;
@@ -45,7 +47,7 @@ std::vector<T> every(const std::vector<T>& all, std::size_t nth) {
   return some.empty() ? all : some;
 }
 
-/// Places in the order of a curve that keeps neighbours together, so that every nth of them are spread.
+/// Places along a curve that keeps neighbours together, so that every n-th of them are spread evenly.
 std::vector<GridRect> places_in(GridRect region, std::int32_t side) {
   std::vector<Span> cols = spans(region.first.col, region.last.col, side - 1);
   std::vector<Span> rows = spans(region.first.row, region.last.row, side - 1);
@@ -68,7 +70,7 @@ std::vector<GridRect> places_in(GridRect region, std::int32_t side) {
   return places;
 }
 
-/// The largest tolerance that still selects some share of all samples.
+/// The largest tolerance that still selects kTerrainShare of all samples.
 Metres terrain_of(const Snapshot& now) {
   const Description& d = now.description();
   const double valid = static_cast<double>(d.extent.samples()) - static_cast<double>(d.void_samples);
@@ -89,9 +91,9 @@ AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named, std
   };
   const auto nothing = [&] {
     const char* why = region.cols() == 1 || region.rows() == 1 ? "it is one sample wide or high"
-                                                               : "it holds no three neighbouring samples of data";
+                                                               : "it has no three neighbouring valid samples";
     return Failure(Cause::invalid_argument,
-                   fmt::format("nothing to measure: no answer about the region has a triangle, for {}", why));
+                   fmt::format("nothing to measure: no answer for the region has a triangle, because {}", why));
   };
   AskedWindows asked;
   if (!side && region.samples() <= (is_named ? kWholeNamed : kWhole)) {

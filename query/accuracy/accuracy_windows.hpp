@@ -1,5 +1,5 @@
 #pragma once
-// Which windows stand for a region that is too large to be asked about again and again.
+// Chooses windows that represent a large region.
 
 #include <cstdint>
 #include <optional>
@@ -16,11 +16,11 @@ struct AskedWindows {
   Metres terrain;
 };
 
-/// The region itself, or windows spread evenly over the places in it that hold terrain. The same for the same database.
+/// The region, or windows spread evenly over its places with terrain. Always the same for the same database.
 ///
-/// is_named  the caller named the region, which is then asked about itself up to a larger size
-/// side      samples a side of windows, if the caller wants them
-/// fails     invalid_argument: nothing there has a triangle
+/// is_named  the caller named the region, so a larger one is still measured whole
+/// side      samples per side of a window, if the caller chooses
+/// fails     invalid_argument: the region has no triangle
 [[nodiscard]] AskedWindows windows_of(const Snapshot& now, GridRect region, bool is_named,
                                       std::optional<std::int32_t> side);
 

@@ -1,17 +1,17 @@
 #pragma once
-// Files that are to be read from the disk again.
+// Drops files from memory, so that they are read from the disk again.
 
 #include <filesystem>
 #include <optional>
 
 namespace talus {
 
-/// Asks the system to give up what it holds of a file in memory. It may decline: of what some process has mapped, of
-/// what is not yet on the disk, on file systems that live in memory. What the disk itself keeps is not touched. fails
-/// never: a file that cannot be opened is left alone
+/// Asks the system to drop a file from memory. It may decline for parts that a process has mapped, that are not yet on
+/// the disk, or on file systems in memory. The disk's own cache stays.
+/// fails  never: a file that cannot be opened is ignored
 void drop_from_memory(const std::filesystem::path& file) noexcept;
 
-/// How much of a file the system holds in memory, 0 to 1; nothing where it does not tell.
+/// The share of a file that the system holds in memory, 0 to 1; empty if the system does not say.
 [[nodiscard]] std::optional<double> share_in_memory(const std::filesystem::path& file);
 
 }  // namespace talus

@@ -7,7 +7,7 @@
 namespace talus {
 namespace {
 
-// A double's exponent and the first eight bits after it, as they stand.
+// A class is a double's exponent and the first eight bits of its fraction.
 constexpr int kDropped = 52 - 8;
 constexpr std::uint64_t key(double metres) { return std::bit_cast<std::uint64_t>(metres) >> kDropped; }
 constexpr std::uint64_t kLeast = key(0x1p-40), kMost = key(0x1p24) - 1;

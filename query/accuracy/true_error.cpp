@@ -14,8 +14,8 @@ namespace {
 constexpr std::int64_t kStripSamples = std::int64_t{1} << 21;
 constexpr std::int64_t kLeastStripRows = 16;
 
-// A closed triangle over grid points: p is in it iff all three weights are >= 0. The weights are twice
-// the areas p makes with the sides; they add up to twice the triangle's own.
+// A closed triangle over grid points. A point is in it if all three weights are >= 0. A weight is twice the area that
+// the point makes with a side; the weights add up to twice the triangle's area.
 class JudgedTriangle {
  public:
   JudgedTriangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& ids) {
@@ -36,7 +36,7 @@ class JudgedTriangle {
   [[nodiscard]] std::int32_t first_row() const { return first_row_; }
   [[nodiscard]] std::int32_t last_row() const { return last_row_; }
 
-  // Of the middle of the longest side in columns and rows.
+  // The row of the middle of the longest side, measured in columns and rows.
   [[nodiscard]] std::int32_t middle_row() const {
     std::int64_t longest = -1;
     std::int32_t row = 0;
@@ -48,7 +48,7 @@ class JudgedTriangle {
     return row;
   }
 
-  // Of the angle between the surface and the horizontal: z per metre from the plane's normal.
+  // The cosine of the angle between the surface and the horizontal: z per metre of the plane's normal.
   [[nodiscard]] double cosine(double metres_per_unit, std::array<double, 2> cell) const {
     const auto edge = [&](std::size_t i) {
       return std::array<long double, 3>{(static_cast<long double>(corner_[i].col) - corner_[0].col) * cell[0],
@@ -61,10 +61,10 @@ class JudgedTriangle {
     return length > 0 ? static_cast<double>(std::abs(z) / length) : 1;
   }
 
-  // Calls visit(col, height of the surface) for the grid points of a row that lie in the triangle.
+  // Calls visit(col, height of the surface) for the grid points of a row in the triangle.
   template <class Visit>
   void for_row(std::int32_t row, Visit&& visit) const {
-    if (area_ == 0) return;                         // covers nothing
+    if (area_ == 0) return;                         // contains no sample
     std::array<std::int64_t, 3> weight{}, slope{};  // at column 0, and per column
     std::int64_t first = std::min({corner_[0].col, corner_[1].col, corner_[2].col});
     std::int64_t last = std::max({corner_[0].col, corner_[1].col, corner_[2].col});
@@ -80,7 +80,7 @@ class JudgedTriangle {
         return;
       }
     }
-    // Long double: twelve digits more than heights have, so that what is found is the mesh's fault.
+    // Long double is far more exact than heights, so a difference is the mesh's fault.
     const long double rise1 = static_cast<long double>(height_[1]) - height_[0];
     const long double rise2 = static_cast<long double>(height_[2]) - height_[0];
     for (std::int64_t col = first; col <= last; ++col) {
@@ -103,7 +103,7 @@ class JudgedTriangle {
   std::int32_t first_row_ = 0, last_row_ = 0;
 };
 
-// 1 where a sample is the corner of a valid finest triangle.
+// 1 for each sample that is a corner of a valid finest triangle.
 std::vector<std::uint8_t> covered_samples(const SampleWindow& window) {
   std::vector<std::uint8_t> covered(window.valid.size(), 0);
   const GridRect& r = window.region;
@@ -123,7 +123,7 @@ std::vector<std::uint8_t> covered_samples(const SampleWindow& window) {
   return covered;
 }
 
-// Triangle numbers by their northernmost row.
+// Indices of triangles, sorted by their northernmost row.
 std::vector<std::uint32_t> from_north_to_south(const Mesh& mesh) {
   const auto bucket = [&](std::size_t t) {
     const std::int32_t row = JudgedTriangle(mesh, mesh.triangles[t]).first_row();
@@ -148,18 +148,18 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
 
   const std::vector<std::uint32_t> order = from_north_to_south(mesh);
   const std::int64_t strip_rows = std::max(kLeastStripRows, kStripSamples / region.cols());
-  std::vector<std::uint32_t> reaching;  // triangles that began north of the strip and are not done
+  std::vector<std::uint32_t> reaching;  // triangles from earlier strips that reach into this one
   std::size_t next = 0;
 
   for (std::int64_t top = region.first.row; top <= region.last.row; top += strip_rows) {
     const auto first = static_cast<std::int32_t>(top);
     const auto last = static_cast<std::int32_t>(std::min<std::int64_t>(top + strip_rows - 1, region.last.row));
-    // One row more on either side: a sample may be covered by a finest triangle of the next strip only.
+    // One more row on both sides, because a finest triangle in the next strip may cover a sample.
     const SampleWindow window = truth({{region.first.col, std::max(first - 1, region.first.row)},
                                        {region.last.col, std::min(last + 1, region.last.row)}});
     const std::vector<std::uint8_t> covered = covered_samples(window);
     constexpr double kUntouched = std::numeric_limits<double>::quiet_NaN();
-    std::vector<double> farthest(covered.size(), kUntouched);  // surface less sample, in metres
+    std::vector<double> farthest(covered.size(), kUntouched);  // surface minus sample, in metres
 
     while (next < order.size() && JudgedTriangle(mesh, mesh.triangles[order[next]]).first_row() <= last) {
       reaching.push_back(order[next++]);
@@ -175,7 +175,7 @@ TrueError true_error(const Mesh& mesh, const Description& description, const Sam
           const std::size_t at = start + static_cast<std::size_t>(std::int64_t{col} - region.first.col);
           if (!window.valid[at]) return;
           auto error = static_cast<double>((surface - window.values[at]) * description.metres_per_unit);
-          if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // as wrong as it gets
+          if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // the largest possible error
           if (!(std::abs(error) <= std::abs(farthest[at]))) farthest[at] = error;
           if (cells)
             result.largest_perpendicular_m = std::max(result.largest_perpendicular_m, std::abs(error) * cosine);

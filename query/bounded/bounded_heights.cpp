@@ -19,7 +19,7 @@ namespace {
 
 double step_metres(const Description& d) { return std::abs(d.step.scale) / d.step.divisor * d.metres_per_unit; }
 
-/// How many height steps a quantum is, if a whole number.
+/// The number of height steps in a quantum; empty if it is not whole.
 std::optional<double> steps_in(const Description& d, Metres quantum) {
   if (!d.step.integer || d.step.offset != 0) return std::nullopt;
   const double steps = quantum.value / step_metres(d), whole = std::nearbyint(steps);
@@ -32,31 +32,32 @@ void require_quantum(const Description& d, Metres quantum) {
     refuse(
         "rounded heights need errors along the vertical, this database has perpendicular ones: ask for exact heights");
   if (!(quantum.value > 0) || !std::isfinite(quantum.value))
-    refuse(fmt::format("quantum {} m: expected a number of metres above 0", quantum.value));
-  // Larger multiples are no whole numbers in doubles, nor in streams.
+    refuse(fmt::format("quantum {} m: expected a finite number of metres above 0", quantum.value));
+  // Larger multiples are not exact in doubles and streams.
   constexpr double kMostQuanta = 1e15;
   const double largest_m = std::max(std::abs(d.minimum), std::abs(d.maximum)) * d.metres_per_unit;
   if (largest_m / kMostQuanta > quantum.value) {
-    refuse(fmt::format("quantum {} m: heights reach {} m, which is more than {} multiples of it: expected a larger one",
-                       quantum.value, largest_m, kMostQuanta));
+    refuse(
+        fmt::format("quantum {} m: heights reach {} m, which is more than {} multiples of it. Choose a larger quantum",
+                    quantum.value, largest_m, kMostQuanta));
   }
 }
 
-/// Nor may it cost more than is left of the tolerance.
+/// Refuses a quantum whose rounding exceeds the tolerance.
 void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
   require_quantum(d, quantum);
   const double off = rounding_of(d, quantum);
   if (off > tolerance.value - d.lossy_metres) {
     const std::string before =
         d.lossy_metres > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy_metres) : "";
-    refuse(fmt::format(
-        "multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m; expected a smaller "
-        "quantum or a larger tolerance",
-        quantum.value, off, before, tolerance.value));
+    refuse(
+        fmt::format("multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m. Choose a smaller "
+                    "quantum or a larger tolerance",
+                    quantum.value, off, before, tolerance.value));
   }
 }
 
-/// The same vertices at rounded heights; what it costs is added to all that is said of errors.
+/// Rounds the heights of an answer, and adds the rounding to its errors and its bound.
 void round_heights(RestrictedQuadtree& q, const Description& d, Metres quantum) {
   const Rounding rounded(d, quantum);
   const double off = rounding_of(d, quantum) + (rounded.is_exact() ? 0 : kRoundingMargin);
@@ -84,7 +85,7 @@ Answer rounded_range(const RoundedQuestion& q, Metres quantum) {
   return answer;
 }
 
-/// What is said of an answer whose corners may lie off the source's heights by `off` metres.
+/// Sets the facts of an answer whose corners may lie `off` metres off the source's heights.
 void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off) {
   q.tolerance = tolerance;
   q.origin.quantum = quantum;
@@ -93,12 +94,13 @@ void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off)
 
 void require_some_tolerance(const Description& d, Metres tolerance, const char* heights) {
   if (tolerance.value == 0 || !std::isfinite(tolerance.value))
-    refuse(fmt::format("{} heights at a tolerance of {} m: expected one above 0 and finite", heights, tolerance.value));
+    refuse(fmt::format("{} heights at a tolerance of {} m: expected a finite tolerance above 0", heights,
+                       tolerance.value));
   if (tolerance.value <= d.lossy_metres) {
-    refuse(fmt::format(
-        "{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already; expected more, or "
-        "exact heights",
-        heights, tolerance.value, d.lossy_metres));
+    refuse(
+        fmt::format("{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already. Choose a "
+                    "larger tolerance, or exact heights",
+                    heights, tolerance.value, d.lossy_metres));
   }
 }
 
@@ -112,7 +114,7 @@ double rounding_of(const Description& d, Metres quantum) {
 Metres quantum_for(const Description& d, Metres tolerance) {
   if (!d.step.integer || d.step.offset != 0) return tolerance;
   double steps = std::max(1.0, std::floor(tolerance.value / step_metres(d)));
-  if (std::fmod(steps, 2) == 0) ++steps;  // rounds no farther
+  if (std::fmod(steps, 2) == 0) ++steps;  // a larger quantum with the same rounding
   return Metres{steps * step_metres(d)};
 }
 
@@ -124,8 +126,7 @@ Metres dense_quantum(const Description& d, Metres tolerance) {
 
 namespace {
 
-/// The exact answer at the tolerance less the rounding, rounded: increments of the same quantum go on from it, and it
-/// is what they hold.
+/// Rounds the exact answer at the tolerance minus the rounding. Increments of the same quantum go on from it.
 Answer nested(const RoundedQuestion& q, Metres quantum) {
   require_quantum(q.pages.manifest().description, q.tolerance, quantum);
   return rounded_range(q, quantum);
@@ -134,7 +135,7 @@ Answer nested(const RoundedQuestion& q, Metres quantum) {
 Answer dense(const RoundedQuestion& q) {
   const Description& d = q.pages.manifest().description;
   if (q.tolerance.value == 0 || !std::isfinite(q.tolerance.value))
-    refuse(fmt::format("dense heights at a tolerance of {} m: expected one above 0 and finite", q.tolerance.value));
+    refuse(fmt::format("dense heights at a tolerance of {} m: expected a finite tolerance above 0", q.tolerance.value));
   const Metres quantum = dense_quantum(d, q.tolerance);
   if (!(quantum.value > 0)) return range_query(q.pages, q.region, q.tolerance, q.threads, {}, q.watch);
   require_quantum(d, quantum);
@@ -154,7 +155,7 @@ Answer bounded(const RoundedQuestion& q, Metres quantum) {
 Answer fitted(const RoundedQuestion& q, Metres quantum) {
   const Description& d = q.pages.manifest().description;
   require_some_tolerance(d, q.tolerance, "fitted");
-  // A finer quantum needs fewer vertices and more bits for each: see docs/accuracy.md.
+  // A finer quantum needs fewer vertices, but more bits for each: docs/accuracy.md.
   if (quantum.value == 0) quantum = Metres{(q.tolerance.value - d.lossy_metres) / 2};
   require_quantum(d, q.tolerance, quantum);
   Answer answer = split_answer(q, quantum, SplitHeights::fitted);

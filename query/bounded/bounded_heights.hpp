@@ -1,5 +1,5 @@
 #pragma once
-// Answers whose heights are multiples of a quantum, and still within the tolerance.
+// Answers whose heights are multiples of a quantum, within the tolerance.
 
 #include <optional>
 
@@ -8,30 +8,29 @@
 
 namespace talus {
 
-/// What answers with rounded heights are made from.
+/// A question for rounded heights.
 struct RoundedQuestion {
   const StoredPages& pages;
   GridRect region;
   Metres tolerance;
-  std::optional<Metres> from;  ///< of an increment; only bounded heights with a quantum have one
+  std::optional<Metres> from;  ///< tolerance of an increment's base; only for bounded heights with a quantum
   int threads = 1;
   Watch& watch;
 };
 
-/// How far a height can lie from the nearest multiple of a quantum, in metres: half of it, or less where heights are
-/// whole numbers of a step that divides it.
+/// The largest distance in metres from a height to the nearest multiple of a quantum: half of it, or less if heights
+/// are whole numbers of a step that divides it.
 [[nodiscard]] double rounding_of(const Description& description, Metres quantum);
 
-/// The largest quantum that leaves most of a tolerance to the surface: about as large as the tolerance, an odd number
-/// of height steps.
+/// The largest quantum that still leaves most of a tolerance to the surface: about the tolerance, an odd number of
+/// height steps.
 [[nodiscard]] Metres quantum_for(const Description& description, Metres tolerance);
 
-/// The largest quantum that rounds heights by no more than a tolerance, less what the database has lost already: an odd
-/// number of height steps, or twice the tolerance where heights have none; 0: nothing is left to
-/// round by.
+/// The largest quantum that rounds by at most the tolerance minus the database's loss: an odd number of height steps,
+/// or twice that tolerance if heights have none; 0: nothing is left for rounding.
 [[nodiscard]] Metres dense_quantum(const Description& description, Metres tolerance);
 
-/// An accepted question whose heights are not exact, its tolerance known. See HeightKind.
+/// Answers an accepted question with a known tolerance whose heights are not exact. See HeightKind.
 /// fails  as Snapshot::ask
 [[nodiscard]] Answer rounded_answer(const RoundedQuestion& question, Heights heights);
 

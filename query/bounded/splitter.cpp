@@ -28,7 +28,7 @@ bool Rounding::is_exact() const {
 
 namespace {
 
-/// Triangles that were held against the samples under them, one bit for each half of a diamond.
+/// Triangles that were compared with their samples: one bit for each half of a diamond.
 class Checked {
  public:
   explicit Checked(GridRect region) : halves_{VertexMask(region), VertexMask(region)} {}
@@ -41,18 +41,19 @@ class Checked {
   std::array<VertexMask, 2> halves_;
 };
 
-/// Splits triangles, from the coarsest on, that leave a sample out, until none does.
+/// Splits triangles that are too far from a sample, from the coarsest on, until none is.
 ///
-/// Rounded heights: every vertex that this may need is in `finest`, the answer at the tolerance less the rounding: if a
-/// triangle with rounded heights is too far from a sample, then with exact ones it is farther than that, so the error
-/// of its midpoint is larger; and errors are saturated, so all that the midpoint depends on is selected, too.
+/// Rounded heights: `finest` is the answer at the tolerance minus the rounding. It has every vertex that may be needed:
+/// a triangle that is too far with rounded heights is farther than that with exact ones, so its midpoint's error is
+/// larger. Errors are saturated, so all that the midpoint depends on is selected, too.
 ///
-/// Fitted heights may leave samples out anywhere, so `finest` is the answer at tolerance 0: where it has no midpoint,
-/// all samples lie in the plane of the source's heights, and no corner is farther from those than the tolerance.
+/// Fitted heights: `finest` is the answer at tolerance 0, because samples may be too far anywhere. If it lacks a
+/// midpoint, all samples lie in the plane of the source's heights, and no corner is farther from those than the
+/// tolerance.
 ///
-/// On the region's sides all of the answer at the tolerance less the rounding is taken, and nothing else: neighbours
-/// then have the same vertices there, whatever lies beyond. A triangle whose longest side is a part of the region's
-/// that may not be split has three corners of the source's height, so that it need not be.
+/// On the region's sides, exactly the answer at the tolerance minus the rounding is used, so that neighbours have the
+/// same vertices. A triangle whose longest side may not be split there has three corners with the source's heights, so
+/// it needs no split.
 class Splitter {
  public:
   Splitter(const RoundedQuestion& question, Metres quantum, SplitHeights heights)
@@ -69,11 +70,11 @@ class Splitter {
         chosen_(region_),
         checked_(region_) {
     const double tolerance = question.tolerance.value;
-    // A triangle that mixes data and void may have to go for its size: the answer at the tolerance says so.
+    // A triangle with data and void may have to be split for its size; the answer at the tolerance decides.
     if (!finest_.quadtree.covers.empty()) for_its_voids_ = asked_too(question, Metres{tolerance}).vertices;
     if (fits_) {
       sides_ = asked_too(question, Metres{tolerance - rounding_of(description_, quantum)}).vertices;
-      // What this leaves out has to be added, what it has too much stays: a loose answer is a good place to begin.
+      // Begin with the vertices of a looser answer: missing ones are added, and extra ones do no harm.
       constexpr double kLooser = 1.6;
       coarse_ = asked_too(question, Metres{tolerance * kLooser}).vertices;
       sources_.assign(finest_.quadtree.heights.begin(), finest_.quadtree.heights.end());
@@ -95,7 +96,7 @@ class Splitter {
     }
     coarse_.for_each([&](GridPoint p) { insert(p); });
     fix_heights();
-    // Heights that have moved may help a triangle, and harm one that was held before.
+    // Changed heights may help one triangle and harm another, so fitting and splitting alternate.
     constexpr int kFittedRounds = 12;
     for (int round = 0;; ++round) {
       if (round < kFittedRounds) {
@@ -108,7 +109,7 @@ class Splitter {
   }
 
  private:
-  static constexpr double kReading = 0.3;  ///< share of the time that exact answers take
+  static constexpr double kReading = 0.3;  ///< share of the time for exact answers
 
   static SampleWindow samples_for(const RoundedQuestion& question, bool fits) {
     require_inside(question.pages, question.region);
@@ -123,7 +124,7 @@ class Splitter {
 
   RestrictedQuadtree asked_too(const RoundedQuestion& question, Metres tolerance) {
     Answer answer = exact_answer(question, tolerance);
-    watch_.give_back(answer.quadtree.vertices.size() * kBytesAVertex);  // its mask is all that is kept
+    watch_.give_back(answer.quadtree.vertices.size() * kBytesAVertex);  // only its mask is kept
     finest_.cost.pages_read += answer.cost.pages_read;
     finest_.cost.bytes_read += answer.cost.bytes_read;
     finest_.cost.pages_cached += answer.cost.pages_cached;
@@ -144,7 +145,7 @@ class Splitter {
 
   // ---- fitted heights ----------------------------------------------------------------------------------
 
-  /// Those that stay the source's: on the region's sides and beside them, and fills of voids, which no sample bounds.
+  /// Fixes heights that must stay the source's: on the region's sides and beside them, and fills of voids.
   void fix_heights() {
     const RestrictedQuadtree& f = finest_.quadtree;
     is_fixed_.assign(f.vertices.size(), 0);
@@ -167,8 +168,8 @@ class Splitter {
     }
   }
 
-  /// Sweeps over all samples: one that is left out pulls the corners of its triangle towards it, each by its weight
-  /// there, as far as puts it within; until none is, or sweeps are used up.
+  /// Sweeps over all samples. A sample that is too far pulls the corners of its triangle towards it, by its weights,
+  /// until it is within the limit. Ends when no sample is too far, or after the last sweep.
   void fit() {
     const Mesh mesh = triangulate(quadtree(), 1);
     RestrictedQuadtree& f = finest_.quadtree;
@@ -187,7 +188,7 @@ class Splitter {
     for (const std::uint32_t rank : ranks) f.heights[rank] = rounded_(fitted_[rank]);
   }
 
-  /// Returns whether a sample was left out.
+  /// Returns whether a sample was too far.
   bool pull(const std::array<GridPoint, 3>& corners, const std::array<std::uint32_t, 3>& ranks) {
     const auto [apex, longest] = right_angle_of(corners);
     if (longest <= 2) return false;
@@ -235,7 +236,7 @@ class Splitter {
 
   struct RightAngle {
     std::size_t corner;
-    std::int64_t longest;  ///< square of the side across
+    std::int64_t longest;  ///< squared length of the longest side
   };
   static RightAngle right_angle_of(const std::array<GridPoint, 3>& corners) {
     RightAngle found{0, -1};
@@ -251,17 +252,17 @@ class Splitter {
     return half_diamond(middle, diamond(middle).apexes[0] == corners[apex] ? 0 : 1);
   }
 
-  /// The quadtree of what is chosen so far.
+  /// The quadtree of the chosen vertices.
   [[nodiscard]] RestrictedQuadtree quadtree() {
     close_bottom_up(chosen_, root_);
-    // Amid voids no triangle needs all that a vertex depends on.
+    // Beside voids, no triangle may need some of the vertices that others depend on.
     for (std::int64_t row = region_.first.row; row <= region_.last.row; ++row) {
       const auto to = chosen_.row_words(static_cast<std::int32_t>(row));
       const auto all = std::as_const(finest_.quadtree.vertices).row_words(static_cast<std::int32_t>(row));
       for (std::size_t w = 0; w < to.size(); ++w) to[w] &= all[w];
     }
     chosen_.seal();
-    watch_.require_vertices(chosen_.size());  // none of them goes again
+    watch_.require_vertices(chosen_.size());  // chosen vertices stay
     const RestrictedQuadtree& f = finest_.quadtree;
     RestrictedQuadtree q;
     q.region = f.region;
@@ -278,7 +279,7 @@ class Splitter {
     return q;
   }
 
-  /// Returns whether anything had to be split.
+  /// Returns whether a triangle was split.
   bool split_once() {
     const Mesh mesh = triangulate(quadtree(), 1);
     std::vector<GridPoint> more;
@@ -289,12 +290,12 @@ class Splitter {
       if (const auto middle = check(corners, heights)) more.push_back(*middle);
     }
     for (const GridPoint p : more) chosen_.insert(p);
-    left_ *= 0.7;  // nobody knows how many rounds there will be
+    left_ *= 0.7;  // the number of rounds is unknown
     watch_.tell(1 - left_);
     return !more.empty();
   }
 
-  /// The vertex that a triangle is to be split at, if it has to be.
+  /// The vertex at which a triangle must be split, if any.
   std::optional<GridPoint> check(const std::array<GridPoint, 3>& corners, const std::array<double, 3>& heights) {
     const auto [apex, longest] = right_angle_of(corners);
     if (longest <= 2) {  // half a cell: its corners are its samples
@@ -327,7 +328,7 @@ class Splitter {
     double distance = 0;
     bool has_void = false;
   };
-  /// Over the valid samples of a triangle; what it says is too far once one sample is.
+  /// The largest distance of the triangle's valid samples; stops at the first one that is too far.
   [[nodiscard]] Found farthest(const HalfDiamond& t, const Plane<double>& plane) const {
     Found found;
     const bool no_voids = finest_.quadtree.covers.empty();
@@ -374,7 +375,7 @@ class Splitter {
     q.bound = Metres{farthest_ * unit + description_.lossy_metres + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
     q.origin = f.origin;
     q.origin.is_plain = false;
-    // Without its finer levels each triangle is one that was held against its samples, or one whose midpoint is gone.
+    // Without finer levels, each triangle is one that was checked, or one without a midpoint.
     VertexMask needed(region_);
     for (const GridPoint p : border_vertices(region_, root_)) needed.insert(p);
     std::vector<bool> has_vertices(f.level_errors.size());
@@ -393,21 +394,21 @@ class Splitter {
 
   const Description& description_;
   Watch& watch_;
-  double left_ = 1;  ///< share of the work, as it is told
+  double left_ = 1;  ///< share of the work that is left, for progress
   bool fits_;
   SampleWindow samples_;
   GridRect region_;
   std::int32_t root_;
-  double limit_;  ///< vertical unit
+  double limit_;  ///< limit in the vertical unit
   Answer finest_;
   Rounding rounded_;
   std::optional<VertexMask> for_its_voids_;
-  VertexMask sides_, coarse_;             // where heights are fitted, as all below
-  std::vector<double> sources_, fitted_;  // by rank in `finest`
+  VertexMask sides_, coarse_;             // these and the following: for fitted heights
+  std::vector<double> sources_, fitted_;  // heights by rank in `finest`
   std::vector<std::uint8_t> is_fixed_;
   VertexMask chosen_;
   Checked checked_;
-  double farthest_ = 0;  ///< of the triangles that stay; vertical unit
+  double farthest_ = 0;  ///< over the triangles that stay; in the vertical unit
 };
 
 }  // namespace

@@ -1,17 +1,17 @@
 #pragma once
-// Triangles split until every sample lies within a tolerance of them, whatever heights their corners have.
+// Splits triangles until every sample lies within a tolerance, for any heights of the corners.
 
 #include "query/bounded/bounded_heights.hpp"
 
 namespace talus {
 
-/// Multiples of a quantum.
+/// Rounding to multiples of a quantum.
 class Rounding {
  public:
   Rounding(const Description& d, Metres quantum) : unit_(quantum.value / d.metres_per_unit) {}
   [[nodiscard]] double operator()(double height) const;
   [[nodiscard]] double unit() const { return unit_; }
-  /// Whether multiples, and what is interpolated between them, are doubles.
+  /// Whether multiples, and heights interpolated between them, are exact doubles.
   [[nodiscard]] bool is_exact() const;
 
  private:
@@ -19,17 +19,18 @@ class Rounding {
 };
 
 enum class SplitHeights {
-  rounded,  ///< the source's, rounded
-  fitted,   ///< wherever within the tolerance of the source's they let most triangles stay, rounded
+  rounded,  ///< the source's heights, rounded
+  fitted,   ///< moved within the tolerance so that most triangles stay, then rounded
 };
 
-/// Every sample of a region held against triangles between rounded heights, which are split until none is farther than
-/// the tolerance. On the region's sides vertices and heights are those of the exact answer at the tolerance less the
-/// rounding, rounded.
+/// Compares every sample of a region with triangles between rounded heights, and splits these until every sample is
+/// within the tolerance. On the region's sides, vertices and heights are those of the exact answer at the tolerance
+/// minus the rounding, rounded.
 ///
 /// quantum  above 0, see require_quantum
-/// returns  its bound is measured; `tolerance` and quantum are the caller's to say
-/// cost     memory 9 bytes a sample of the region, fitted 26. Time: a few passes over the samples, fitted some fifty
+/// returns  an answer with a measured bound; the caller sets `tolerance` and quantum
+/// cost     memory: 9 bytes a sample of the region, 26 if fitted. Time: a few passes over the samples, about fifty if
+///          fitted
 /// source   fitted heights: relaxation of linear inequalities, Agmon 1954, Motzkin and Schoenberg 1954
 [[nodiscard]] Answer split_answer(const RoundedQuestion& question, Metres quantum, SplitHeights heights);
 

@@ -1,4 +1,4 @@
-// A mesh as glTF 2.0 in its binary form: a header, one chunk of JSON, one of numbers.
+// Writes a mesh as binary glTF 2.0: a header, a chunk of JSON, and a chunk of numbers.
 
 #include <algorithm>
 #include <array>
@@ -19,11 +19,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Names that glTF gives to numbers.
+// Numbers from the glTF standard.
 constexpr int kFloat = 5126, kUint32 = 5125, kArrayBuffer = 34962, kElementBuffer = 34963, kTriangles = 4;
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
 
-/// Floats up: height = base + float · unit, in the vertical unit.
+/// Heights in the file: height = base + float · unit, in the vertical unit.
 struct Upward {
   double base = 0, unit = 1;
 
@@ -31,7 +31,7 @@ struct Upward {
   [[nodiscard]] double height(float up) const { return base + static_cast<double>(up) * unit; }
 };
 
-/// A few units in the last place of a double: what base + float · unit itself may round.
+/// Whether the float gives the height back. Allows a few units in the last place, because base + float · unit rounds.
 bool restores(const Upward& upward, double height) {
   return std::abs(upward.height(upward.at(height)) - height) <=
          4 * 0x1p-52 * (std::abs(height) + std::abs(upward.base));
@@ -52,7 +52,7 @@ Upward upward_of(const Mesh& mesh, const HeightStep& step) {
   return {middle, 1};
 }
 
-/// The mesh in the numbers of the file.
+/// The mesh with the numbers of the file.
 class Model {
  public:
   Model(const Mesh& mesh, const Description& description)
@@ -71,7 +71,6 @@ class Model {
   struct Box {
     std::array<float, 3> low{}, high{};
   };
-  /// fails  unsupported
   [[nodiscard]] Box box() const {
     constexpr float kMost = std::numeric_limits<float>::max(), kWhole = 0x1p24F;
     Box box{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
@@ -79,7 +78,7 @@ class Model {
       const std::array<float, 3> p = position(i);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (!std::isfinite(p[axis]))
-          throw Failure(Cause::unsupported, "a GLB file holds floats, and a height is beyond them");
+          throw Failure(Cause::unsupported, "a GLB file stores floats, and a height is too large for them");
         box.low[axis] = std::min(box.low[axis], p[axis]);
         box.high[axis] = std::max(box.high[axis], p[axis]);
       }
@@ -87,13 +86,13 @@ class Model {
     for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
       if (mesh_.size() > 0 && (box.low[axis] < -kWhole || box.high[axis] > kWhole)) {
         throw Failure(Cause::unsupported,
-                      "a GLB file counts at most 16777216 cells from its middle; ask for a smaller rectangle");
+                      "a GLB file has at most 16777216 cells on each side of its middle. Ask for a smaller rectangle");
       }
     }
     return box;
   }
 
-  /// In metres; see write_glb.
+  /// How far rounding may move the surface, see write_glb.
   [[nodiscard]] Metres rounding() const {
     double up = 0, sideways = 0;
     for (std::size_t i = 0; i < mesh_.size(); ++i) {
@@ -112,8 +111,8 @@ class Model {
             {"generator", "Talus"},
             {"extras",
              {{"crs_wkt", description_.crs_wkt},
-              // In the CRS position (x, y, z) is at origin.x + x·cell.x, origin.y + z·cell.y and up at
-              // origin.height + y·cell.height.
+              // Position (x, y, z) of the file has the CRS coordinates origin.x + x·cell.x, origin.y + z·cell.y and
+              // the height origin.height + y·cell.height.
               {"origin", {{"x", m.x(middle_.col)}, {"y", m.y(middle_.row)}, {"height", upward_.base}}},
               {"cell", {{"x", m.dx}, {"y", m.dy}, {"height", upward_.unit}}},
               {"vertical_unit", description_.vertical_unit},
@@ -136,8 +135,8 @@ class Model {
   }
 
  private:
-  /// How far the surface moves up or down where corners move sideways: the slope times the largest move, and once more
-  /// for the neighbour that comes to lie there. Slivers under a thousandth of a cell have no slope to speak of.
+  /// How far the surface moves up or down if corners move sideways: the slope times the largest move, twice, because
+  /// the neighbour moves, too. Triangles narrower than a thousandth of a cell are left out.
   [[nodiscard]] double rise_of_moves(const std::array<std::uint32_t, 3>& t) const {
     double move = 0;
     for (const std::uint32_t id : t) {
@@ -161,7 +160,7 @@ class Model {
   GridPoint middle_;
 };
 
-/// glTF knows no empty mesh: without triangles the scene is empty.
+/// The JSON of the file. glTF has no empty mesh: without triangles the scene is empty.
 Json document(const Model& model, std::size_t points, std::size_t triangles) {
   Json json{{"asset", model.asset()}, {"scene", 0}};
   if (triangles == 0) {
@@ -192,7 +191,7 @@ Json document(const Model& model, std::size_t points, std::size_t triangles) {
 
 Metres write_glb(const Mesh& mesh, const Description& description, OutputFile& out) {
   const Model model(mesh, description);
-  // A name of a CRS that is no UTF-8 loses the letters that are none.
+  // Bytes that are not UTF-8, in the name of a CRS, are dropped.
   std::string json =
       document(model, mesh.size(), mesh.triangles.size()).dump(-1, ' ', false, Json::error_handler_t::replace);
   json.append((4 - json.size() % 4) % 4, ' ');
@@ -200,8 +199,8 @@ Metres write_glb(const Mesh& mesh, const Description& description, OutputFile& o
   const std::uint64_t bytes = 12 + 8 + json.size() + (numbers > 0 ? 8 + numbers : 0);
   if (bytes > std::numeric_limits<std::uint32_t>::max()) {
     throw Failure(Cause::unsupported,
-                  fmt::format("a GLB file has at most 4 GiB, and {} vertices with {} triangles take "
-                              "more; ask for a smaller rectangle or a larger tolerance",
+                  fmt::format("a GLB file has at most 4 GiB, but {} vertices with {} triangles need more. Ask for a "
+                              "smaller rectangle or a larger tolerance",
                               mesh.size(), mesh.triangles.size()));
   }
   for (const std::uint32_t word : {kMagic, kVersion, static_cast<std::uint32_t>(bytes)}) out.write_little_endian(word);

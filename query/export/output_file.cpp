@@ -16,10 +16,10 @@ namespace talus {
 namespace {
 
 constexpr std::size_t kBuffer = 1u << 20;  // bytes
-constexpr int kTries = 100;                // names beside the target, where others write it, too
-constexpr int kLinks = 40;                 // one behind the other
+constexpr int kTries = 100;                // file names to try; others may write beside the target, too
+constexpr int kLinks = 40;                 // most links in a chain
 
-/// What a link leads to, whether that is there or not: the link stays.
+/// The file that a link leads to. It need not exist.
 std::filesystem::path followed(const std::filesystem::path& target) {
   std::error_code failed;
   std::filesystem::path place = target;
@@ -44,9 +44,7 @@ OutputFile::OutputFile(std::filesystem::path target) : target_(std::move(target)
   }
   if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
     throw Failure(Cause::io,
-                  fmt::format("cannot write {}: it is a device, a pipe or a socket, and would be replaced by a "
-                              "file; name one",
-                              target_.string()),
+                  fmt::format("cannot write {}: it is a device, a pipe or a socket. Name a file", target_.string()),
                   target_);
   }
   for (int i = 0; file_ < 0; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// A file that appears whole or not at all.
+// An output file that appears complete or not at all.
 
 #include <array>
 #include <bit>
@@ -12,12 +12,11 @@
 
 namespace talus {
 
-/// Collects bytes in a file of another name beside `target`; commit() gives it its name. Leaving
-/// without commit() removes it, and what stood under the name before is untouched. A link is followed: what it leads to
-/// is replaced.
+/// Collects bytes in another file beside `target`; commit() renames it. Without commit() it is removed, and the old
+/// target is unchanged. If `target` is a link, the file it leads to is replaced.
 class OutputFile {
  public:
-  /// fails  full, io (a folder, a device); the sentence names the target
+  /// fails  full, io (a folder, a device); names the target
   explicit OutputFile(std::filesystem::path target);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -25,7 +24,7 @@ class OutputFile {
 
   void write(const void* bytes, std::size_t count);
   void write(std::string_view text) { write(text.data(), text.size()); }
-  /// A number's bytes, lowest first.
+  /// Writes a number, lowest byte first.
   template <class T>
   requires std::integral<T> || std::floating_point<T>
   void write_little_endian(T number) {
@@ -37,17 +36,17 @@ class OutputFile {
   }
 
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
-  /// The file beside the target, for a library that writes it by name; nothing is to be written here then.
+  /// The file beside the target, for a library that writes it by name. Do not write here then.
   [[nodiscard]] const std::filesystem::path& beside() const { return beside_; }
 
-  /// On the disk and under its name when this returns.
+  /// Makes the file durable and gives it its name.
   void commit();
 
  private:
   void flush();
   [[noreturn]] void fail(const char* what) const;
 
-  std::filesystem::path target_;  ///< as it was asked for
+  std::filesystem::path target_;  ///< as asked for
   std::filesystem::path place_, beside_;
   int file_ = -1;
   std::vector<char> buffer_;

@@ -10,7 +10,7 @@ namespace talus {
 
 void write_ply(const Mesh& mesh, const Description& description, OutputFile& out) {
   if (mesh.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw Failure(Cause::unsupported, fmt::format("a PLY file counts at most {} vertices, the mesh has {}; ask for a "
+    throw Failure(Cause::unsupported, fmt::format("a PLY file has at most {} vertices, but the mesh has {}. Ask for a "
                                                   "smaller rectangle or a larger tolerance",
                                                   std::numeric_limits<std::int32_t>::max(), mesh.size()));
   }

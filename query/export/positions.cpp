@@ -87,7 +87,7 @@ std::vector<float> normals(const Mesh& mesh, std::span<const double> at) {
     const auto side = [&](std::size_t corner, std::size_t axis) {
       return at[3 * t[corner] + axis] - at[3 * t[0] + axis];
     };
-    // Twice the area long, and upward: triangles run counter-clockwise.
+    // Its length is twice the area. It points up, because triangles run counter-clockwise.
     const std::array<double, 3> cross{side(1, 1) * side(2, 2) - side(1, 2) * side(2, 1),
                                       side(1, 2) * side(2, 0) - side(1, 0) * side(2, 2),
                                       side(1, 0) * side(2, 1) - side(1, 1) * side(2, 0)};

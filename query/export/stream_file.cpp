@@ -18,7 +18,7 @@
 namespace talus {
 namespace {
 
-constexpr std::uintmax_t kFirstBytes = 4096;  // enough to see that a file is something else
+constexpr std::uintmax_t kFirstBytes = 4096;  // enough to recognize a stream
 
 std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
   std::error_code code;
@@ -42,7 +42,7 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
     if (!in) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)), file);
   };
   read(0);
-  if (!begins_as_stream(bytes)) return bytes;  // what it is instead does not matter, however large
+  if (!begins_as_stream(bytes)) return bytes;  // not a stream, however large
   const std::size_t first = bytes.size();
   bytes.resize(std::filesystem::file_size(file));
   read(first);
@@ -57,8 +57,7 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
                   const RestrictedQuadtree* base) {
   if (!is_stream_file(file)) {
     throw Failure(Cause::invalid_argument,
-                  fmt::format("cannot write a restricted quadtree to {}: the name must end in .rqt", file.string()),
-                  file);
+                  fmt::format("cannot write a stream to {}: the name must end in .rqt", file.string()), file);
   }
   within_memory([&] {
     const std::vector<std::byte> bytes = encode(stream, options, base);
@@ -70,7 +69,7 @@ void write_stream(const Stream& stream, const std::filesystem::path& file, const
 
 namespace {
 
-/// What work(bytes) makes of a file's bytes; what it throws names the file.
+/// Returns work(bytes of the file). Its failures name the file.
 template <class Work>
 auto of_file(const std::filesystem::path& file, Work&& work) {
   const std::vector<std::byte> bytes = bytes_of(file);
@@ -86,7 +85,7 @@ auto of_file(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-/// What a file of so many bytes may take.
+/// Limits for reading a file of `bytes` bytes.
 StreamLimits limits_of(StreamLimits limits, std::uint64_t bytes) {
   constexpr std::uint64_t kAnyMask = std::uint64_t{64} << 20, kAnyVertices = 1'000'000;
   const auto times = [](std::uint64_t a, std::uint64_t b) {

@@ -20,7 +20,7 @@ struct Format {
   Metres (*write)(const Mesh&, const Description&, OutputFile&);
 };
 
-/// Of a format that rounds nothing.
+/// A writer of a format that rounds nothing.
 template <void (*Write)(const Mesh&, const Description&, OutputFile&)>
 Metres exactly(const Mesh& mesh, const Description& description, OutputFile& out) {
   Write(mesh, description, out);
@@ -40,11 +40,9 @@ const Format* known_format(const std::filesystem::path& file) {
 
 const Format& format_of(const std::filesystem::path& file) {
   if (const Format* format = known_format(file)) return *format;
-  throw Failure(
-      Cause::invalid_argument,
-      fmt::format("cannot tell what mesh to write to {}: the name must end in .ply, .obj or .glb; write_raster writes "
-                  ".tif and .png, write_stream .rqt",
-                  file.string()));
+  throw Failure(Cause::invalid_argument, fmt::format("cannot write a mesh to {}: the name must end in .ply, .obj or "
+                                                     ".glb (write_raster writes .tif and .png, write_stream .rqt)",
+                                                     file.string()));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A picture of a mesh. In this order: the mesh is laid over a raster of subpixels, which gives height
-// and slope; the slopes choose the exaggeration; tint and light make a colour; the edges go on top.
+// Draws a mesh. Step by step: the mesh is rasterized to subpixels with heights and slopes; the slopes choose the
+// exaggeration; tint and light give the colour; edges are drawn last.
 
 #include <algorithm>
 #include <array>
@@ -24,13 +24,13 @@
 namespace talus {
 namespace {
 
-constexpr double kLongSide = 1600;  // pixels at most; never under half of it
-constexpr int kSub = 2;             // subpixels a side
+constexpr double kLongSide = 1600;  // pixels: the most; the least is half of it
+constexpr int kSub = 2;             // subpixels per side of a pixel
 constexpr double kLineWidth = 1.1;  // pixels
 constexpr double kLineOpacity = 0.5;
-constexpr double kFadeFrom = 7, kFadeTo = 2.5;  // pixels: triangles with shorter legs fade, and are gone
-constexpr double kTypicalSlope = 0.75;          // what the 90th percentile of slopes is exaggerated to
-constexpr double kOcean = -200;                 // metres: data that goes this deep has a sea, and its level is 0
+constexpr double kFadeFrom = 7, kFadeTo = 2.5;  // pixels: triangles with shorter legs fade, then vanish
+constexpr double kTypicalSlope = 0.75;          // the 90th percentile of slopes after exaggeration
+constexpr double kOcean = -200;                 // metres: with data this deep, 0 is sea level
 
 struct Colour {
   float r = 0, g = 0, b = 0;
@@ -80,7 +80,7 @@ struct Quiet {
   Quiet& operator=(const Quiet&) = delete;
 };
 
-// Ground sides of a cell up to a common factor: the exaggeration takes that out again.
+// Sides of a cell on the ground, up to a common factor, which the exaggeration removes.
 struct CellSides {
   double across = 1, down = 1;
 };
@@ -95,7 +95,7 @@ CellSides cell_sides(const Description& description, GridRect region) {
   return sides;
 }
 
-// Where a sample falls: x = (col - first col) · per_col, in pixels from the left edge.
+// The pixels of samples: x = (col - first col) · per_col, from the left edge.
 struct Canvas {
   GridRect region;
   double per_col = 1, per_row = 1;
@@ -106,7 +106,7 @@ struct Canvas {
     const double rows = std::max<double>(1, static_cast<double>(r.rows() - 1));
     const bool wide = cols * cell.across >= rows * cell.down;
     const double cells = wide ? cols : rows;
-    // Whole pixels a cell, or whole cells a pixel, along the longer side.
+    // A cell has a whole number of pixels, or a pixel a whole number of cells, along the longer side.
     const double scale = cells <= kLongSide ? std::floor(kLongSide / cells) : 1 / std::ceil(cells / kLongSide);
     per_col = wide ? scale : scale * cell.across / cell.down;
     per_row = wide ? scale * cell.down / cell.across : scale;
@@ -129,7 +129,7 @@ struct Slope {
   float east = 0, north = 0;
 };
 
-// Slope at each vertex: the mean of its triangles' by their area on the canvas. Smooth shading comes from it.
+// The slope at each vertex, for smooth shading: the mean over its triangles, weighted by their area on the canvas.
 std::vector<Slope> vertex_slopes(const Mesh& mesh, CellSides cell) {
   std::vector<Slope> slopes(mesh.size());
   std::vector<float> areas(mesh.size(), 0);
@@ -155,7 +155,7 @@ std::vector<Slope> vertex_slopes(const Mesh& mesh, CellSides cell) {
 
 struct Relief {
   std::vector<float> height, east, north;  // sums over the subpixels of a pixel
-  std::vector<std::uint8_t> count;         // subpixels that the mesh covers
+  std::vector<std::uint8_t> count;         // subpixels under the mesh
   explicit Relief(std::size_t pixels) : height(pixels), east(pixels), north(pixels), count(pixels) {}
 };
 
@@ -163,7 +163,7 @@ void lay_triangle(const Mesh& mesh, const std::vector<Slope>& slopes, const std:
                   const Canvas& canvas, Relief& relief) {
   std::array<double, 3> x{}, y{};
   for (std::size_t i = 0; i < 3; ++i) {
-    x[i] = canvas.x(mesh.place(ids[i])) * kSub - 0.5;  // subpixel centres lie on whole numbers
+    x[i] = canvas.x(mesh.place(ids[i])) * kSub - 0.5;  // subpixel centres are whole numbers
     y[i] = canvas.y(mesh.place(ids[i])) * kSub - 0.5;
   }
   const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
@@ -198,7 +198,7 @@ Relief relief_of(const Mesh& mesh, const Canvas& canvas, CellSides cell) {
   return relief;
 }
 
-// What fraction of the values lies below; 0 where there are none.
+// The value that a fraction of the values is below; 0 if there are none.
 float percentile(std::vector<float>& values, double fraction) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
@@ -234,8 +234,8 @@ Colour tint(const Light& light, float height) {
   return along(kLand, std::clamp((height - floor) / std::max(light.highest - floor, 1e-3F), 0.0F, 1.0F));
 }
 
-// Most of the light falls from the north-west, some from the west and the north, so that ridges along
-// the light's own direction stay visible.
+// Most light comes from the north-west, some from the west and the north, so that ridges along the light's direction
+// stay visible.
 Colour lit(Colour ground, float east, float north) {
   const auto from = [&](float to_east, float to_north) {
     const float level = 0.70710678F;  // 45° above the horizon
@@ -248,7 +248,7 @@ Colour lit(Colour ground, float east, float north) {
   return mix(ground, shaded, 0.95F * dark);
 }
 
-// How much of each pixel the lines cover. A line drawn twice covers no more than one.
+// Raises the share of each pixel that lines cover. A line drawn twice covers no more than once.
 void draw_line(const Canvas& canvas, Place from, Place to, float strength, std::vector<float>& cover) {
   const double x0 = canvas.x(from) - 0.5, y0 = canvas.y(from) - 0.5;
   const double dx = canvas.x(to) - 0.5 - x0, dy = canvas.y(to) - 0.5 - y0;
@@ -278,7 +278,8 @@ std::vector<float> lines_of(const Mesh& mesh, const Canvas& canvas) {
     const Place a = mesh.place(triangle[0]), b = mesh.place(triangle[1]), c = mesh.place(triangle[2]);
     const double area = (canvas.x(b) - canvas.x(a)) * (canvas.y(c) - canvas.y(a)) -
                         (canvas.x(c) - canvas.x(a)) * (canvas.y(b) - canvas.y(a));
-    const float strength = smooth_step(kFadeTo, kFadeFrom, std::sqrt(std::abs(area)));  // of its legs, were they equal
+    const float strength =
+        smooth_step(kFadeTo, kFadeFrom, std::sqrt(std::abs(area)));  // length of the legs if they were equal
     if (strength == 0) continue;
     draw_line(canvas, a, b, strength, cover);
     draw_line(canvas, b, c, strength, cover);

@@ -29,7 +29,7 @@ struct Close {
 
 }  // namespace
 
-// GDAL's own file in memory: no side files, and the bytes go out like those of any other format.
+// Encodes by GDAL in memory, without side files.
 std::vector<std::byte> png_bytes(std::span<const std::uint8_t> rgb, int width, int height) {
   assert(rgb.size() == 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   static std::atomic<unsigned> pictures = 0;
@@ -43,7 +43,7 @@ std::vector<std::byte> png_bytes(std::span<const std::uint8_t> rgb, int width, i
   if (memory == nullptr || png == nullptr) throw Failure(Cause::unsupported, "this GDAL writes no PNG pictures");
   const std::unique_ptr<void, Close> picture{GDALCreate(memory, "", width, height, 3, GDT_Byte, nullptr)};
   require(picture != nullptr);
-  // GDAL takes what it only reads by a pointer to what may change.
+  // GDAL wants a mutable pointer, but only reads.
   auto* const pixels = const_cast<std::uint8_t*>(rgb.data());
   require(GDALDatasetRasterIO(picture.get(), GF_Write, 0, 0, width, height, pixels, width, height, GDT_Byte, 3, nullptr,
                               3, 3 * width, 1) == CE_None);

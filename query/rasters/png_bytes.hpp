@@ -1,5 +1,5 @@
 #pragma once
-// A picture as the bytes of a .png file.
+// Encodes a picture as a .png file.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace talus {
 
 /// rgb    three bytes a pixel, row by row from the top
-/// fails  unsupported: a GDAL that writes no PNG; io
+/// fails  unsupported: this GDAL writes no PNG; io
 [[nodiscard]] std::vector<std::byte> png_bytes(std::span<const std::uint8_t> rgb, int width, int height);
 
 }  // namespace talus

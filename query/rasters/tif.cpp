@@ -1,5 +1,5 @@
-// The surface at the samples, as a GeoTIFF. Triangles are laid over strips of whole rows from north to south, twice:
-// first to learn whether floats hold every height, then to write.
+// Writes the surface at the samples as a GeoTIFF. Triangles are rasterized twice in strips of rows from north to south:
+// first to find out whether floats hold every height, then to write.
 
 #include <algorithm>
 #include <array>
@@ -26,11 +26,11 @@
 namespace talus {
 namespace {
 
-constexpr std::int64_t kTile = 256;                            // samples a side
-constexpr std::int64_t kStripSamples = std::int64_t{1} << 21;  // at most, but a row of tiles
-constexpr double kOnCut = 1e-12;  // shares this little below zero are a corner's rounding, where a frame cut
+constexpr std::int64_t kTile = 256;                            // samples per side
+constexpr std::int64_t kStripSamples = std::int64_t{1} << 21;  // the most, but at least a row of tiles
+constexpr double kOnCut = 1e-12;                               // the rounding of a share at a cut of a frame
 
-/// A closed triangle: a place in it is a mean of its corners with three shares, none below zero.
+/// A closed triangle. A point in it has three shares of the corners, none below zero.
 class DrawnTriangle {
  public:
   DrawnTriangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& ids)
@@ -43,7 +43,7 @@ class DrawnTriangle {
   [[nodiscard]] double top() const { return std::min({at_[0].row, at_[1].row, at_[2].row}); }
   [[nodiscard]] double bottom() const { return std::max({at_[0].row, at_[1].row, at_[2].row}); }
 
-  /// Calls visit(col, height) for the samples of a row that lie in the triangle, within columns.
+  /// Calls visit(col, height) for the samples of a row in the triangle, within `columns`.
   template <class Visit>
   void for_row(std::int32_t row, std::int32_t first_col, std::int32_t last_col, Visit&& visit) const {
     if (area_ == 0) return;
@@ -66,7 +66,7 @@ class DrawnTriangle {
   struct Columns {
     double west, east;
   };
-  /// Where the row crosses the sides; the corners' own columns if it misses them all.
+  /// The columns where the row crosses the sides; those of all corners if it crosses none.
   [[nodiscard]] Columns columns_on(double row) const {
     Columns columns{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -83,7 +83,7 @@ class DrawnTriangle {
     }
     return columns;
   }
-  /// A corner's own height bit for bit.
+  /// At a corner: its own height, bit for bit.
   [[nodiscard]] double height_of(const std::array<double, 3>& share) const {
     for (std::size_t i = 0; i < 3; ++i) {
       if (share[i] == 1) return height_[i];
@@ -99,7 +99,7 @@ class DrawnTriangle {
   double slack_, area_ = 0;
 };
 
-/// The heights of the region's samples, strip by strip.
+/// The heights of the region's samples, in strips.
 class Strips {
  public:
   explicit Strips(const Mesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
@@ -119,7 +119,7 @@ class Strips {
   template <class Visit>
   void for_each(Visit&& visit) const {
     const GridRect& r = mesh_.region;
-    std::vector<std::uint32_t> reaching;  // triangles that began north of the strip's end and reach into it
+    std::vector<std::uint32_t> reaching;  // triangles from earlier strips that reach into this one
     std::vector<double> heights;
     std::size_t next = 0;
     for (std::int64_t first = r.first.row; first <= r.last.row; first += rows_) {
@@ -147,7 +147,7 @@ class Strips {
   [[nodiscard]] double top(std::size_t t) const { return DrawnTriangle(mesh_, mesh_.triangles[t]).top(); }
 
   const Mesh& mesh_;
-  std::vector<std::uint32_t> order_;  // from north to south
+  std::vector<std::uint32_t> order_;  // triangles from north to south
   std::int64_t rows_ = kTile;
 };
 
@@ -161,7 +161,7 @@ bool floats_hold(const Strips& strips) {
   return all;
 }
 
-/// Collects GDAL's failures, which not every function of it returns; without side files as long as it lives.
+/// Collects GDAL's failures, because not all of its functions return them. Disables side files.
 class Watch {
  public:
   explicit Watch(std::string file) : file_(std::move(file)), side_files_(setting("GDAL_PAM_ENABLED")) {
@@ -177,7 +177,7 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// fails  full, io: if anything failed so far
+  /// fails  full, io: if a call has failed
   void require(bool done = true) const {
     if (done && said_.empty()) return;
     throw Failure(full_ ? Cause::full : Cause::io,
@@ -223,7 +223,7 @@ void write_tif(const Mesh& mesh, const Description& description, OutputFile& out
                                                  static_cast<int>(r.rows()), 1, type, options)};
   watch.require(raster != nullptr);
 
-  const GridMapping& m = description.mapping;  // GDAL's origin is the corner of a pixel, ours a sample, its centre
+  const GridMapping& m = description.mapping;  // GDAL's origin is a pixel's corner, ours its centre
   std::array<double, 6> corner{m.x(r.first.col - 0.5), m.dx, 0, m.y(r.first.row - 0.5), 0, m.dy};
   watch.require(GDALSetGeoTransform(raster.get(), corner.data()) == CE_None);
   if (!description.crs_wkt.empty())

@@ -35,9 +35,8 @@ void write_raster(const Mesh& mesh, const Description& description, const std::f
   blaming(file, [&] {
     const Format* format = format_of(file);
     if (format == nullptr) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("cannot tell what raster to write to {}: the name must end in .tif or .png", file.string()));
+      throw Failure(Cause::invalid_argument,
+                    fmt::format("cannot write a raster to {}: the name must end in .tif or .png", file.string()));
     }
     check_mesh(mesh, file);
     OutputFile out{file};

@@ -9,9 +9,9 @@
 namespace talus {
 namespace {
 
-/// Cuts triangles with the four sides of a frame, one after the other. A cut is made of the two ends of the mesh's edge
-/// alone, however often that was cut before and in one order whichever triangle asks, and shared by the triangles at
-/// the edge: what met before meets still, and the cuts of two frames with one side are the same.
+/// Cuts triangles with the four sides of a frame, one after the other. A cut is computed from the two ends of the
+/// mesh's edge, always in the same order, and shared by the triangles at the edge. So triangles that met still meet,
+/// and two frames with a common side have the same cuts.
 class Clipper {
  public:
   Clipper(const Mesh& mesh, Frame frame) : mesh_(mesh), frame_(frame) {
@@ -37,10 +37,10 @@ class Clipper {
   struct Vertex {
     Place at;
     double height;
-    std::array<std::uint32_t, 2> edge;  ///< that was cut here; twice itself for a vertex of the mesh
+    std::array<std::uint32_t, 2> edge;  ///< the edge that was cut; for a vertex of the mesh, the vertex twice
   };
 
-  /// How far inside a side: west, east, north, south.
+  /// The distance inside a side: west, east, north, south.
   [[nodiscard]] double inside(const Place& p, int side) const {
     switch (side) {
       case 0: return p.col - frame_.west;
@@ -50,7 +50,7 @@ class Clipper {
     }
   }
 
-  /// Only a line's length on a side is nothing.
+  /// Cuts a polygon. A polygon that only touches the side leaves nothing.
   void cut(const std::vector<std::uint32_t>& polygon, int side, std::vector<std::uint32_t>& kept) {
     kept.clear();
     bool has_inside = false;
@@ -64,7 +64,7 @@ class Clipper {
     if (!has_inside) kept.clear();
   }
 
-  /// The ends of the edge of the mesh that two vertices lie on, or themselves where it is none.
+  /// The ends of the mesh's edge through two vertices; the vertices themselves if there is none.
   [[nodiscard]] std::array<std::uint32_t, 2> edge_through(std::uint32_t a, std::uint32_t b) const {
     const auto &of_a = vertices_[a].edge, &of_b = vertices_[b].edge;
     const bool a_is_cut = of_a[0] != of_a[1], b_is_cut = of_b[0] != of_b[1];
@@ -92,8 +92,8 @@ class Clipper {
     return at->second;
   }
 
-  /// An edge through a corner of the frame is cut by both sides there, at places that rounding keeps apart: they become
-  /// one, and triangles between them go.
+  /// An edge through a corner of the frame is cut by both sides, at places that differ by rounding. Merges them, and
+  /// drops the triangles between.
   void weld_corners(std::vector<std::array<std::uint32_t, 3>>& triangles) {
     constexpr double kNear = 1e-9;  // cells
     std::vector<std::uint32_t> one(vertices_.size());
@@ -117,7 +117,7 @@ class Clipper {
     });
   }
 
-  /// Only what triangles use; grid points first.
+  /// The vertices that triangles use, grid points first.
   [[nodiscard]] Mesh used(const std::vector<std::array<std::uint32_t, 3>>& triangles) const {
     constexpr std::uint32_t kUnused = ~std::uint32_t{0};
     std::vector<std::uint32_t> number(vertices_.size(), kUnused);

@@ -13,8 +13,8 @@
 namespace talus {
 namespace {
 
-/// Asks code_at(place) for the places within the extent, page by page along the curve, so that a page is looked up once
-/// whatever the order of the points is.
+/// Calls code_at(place) for the places within the extent, page by page along the curve, so that each page is found
+/// once.
 template <class CodeAt>
 void by_page(const StoredPages& pages, std::span<const Position> points, std::span<std::optional<double>> out,
              CodeAt&& code_at) {
@@ -25,7 +25,7 @@ void by_page(const StoredPages& pages, std::span<const Position> points, std::sp
     return grid_place(description.mapping, longitudes.among(p, description.extent));
   };
   struct Asked {
-    std::uint64_t page;  ///< position on the curve of the finest band
+    std::uint64_t page;  ///< curve position in the finest band
     std::size_t point;
   };
   std::vector<Asked> order;
@@ -57,7 +57,7 @@ class Samples {
  public:
   Samples(const StoredPages& pages, QueryCost& cost) : nearby_(pages, cost) {}
 
-  /// In height codes.
+  /// The interpolated height code.
   [[nodiscard]] std::optional<double> between(Place p) {
     const double west = std::floor(p.col), north = std::floor(p.row);
     const double right = p.col - west, down = p.row - north;
@@ -95,8 +95,8 @@ QueryCost sampled_heights(const StoredPages& pages, std::span<const Position> po
   const Description& description = pages.manifest().description;
   if (description.finest_tolerance > 0) {
     throw Failure(Cause::unsupported,
-                  fmt::format("the database keeps only the vertices of answers at {} m and more: there are no samples "
-                              "to take heights between; ask for those of a surface, at that tolerance or more",
+                  fmt::format("the database keeps only the vertices for tolerances of {} m and more, so it has no "
+                              "samples to interpolate. Ask for the heights of a surface at that tolerance or more",
                               description.finest_tolerance));
   }
   return timed(pages, [&](QueryCost& cost) {

@@ -1,5 +1,5 @@
 #pragma once
-// Heights at points. See Snapshot::height and Snapshot::heights.
+// Heights at points: Snapshot::height and Snapshot::heights.
 
 #include <optional>
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace talus {
 
-/// Between the samples around. `out` has as many places as there are points.
-/// fails  unsupported: a database that keeps the vertices of a tolerance only
+/// Interpolates between samples. `out` is as long as `points`.
+/// fails  unsupported: a database that keeps only the vertices for a tolerance
 [[nodiscard]] QueryCost sampled_heights(const StoredPages& pages, std::span<const Position> points,
                                         std::span<std::optional<double>> out);
-/// Of the surface at a tolerance.
+/// Heights of the surface at a tolerance.
 [[nodiscard]] QueryCost surface_heights(const StoredPages& pages, const ExtentBorder& border, Metres tolerance,
                                         std::span<const Position> points, std::span<std::optional<double>> out);
 

@@ -16,7 +16,7 @@
 namespace talus {
 namespace {
 
-/// Part of a straight line that lies in one triangle. `from` and `to` are shares of the line, heights are codes.
+/// Part of a straight line in one triangle. `from` and `to` are shares of the line, heights are codes.
 struct Piece {
   double from = 0, to = 0, height_from = 0, height_to = 0;
   [[nodiscard]] double at(double share) const {
@@ -28,7 +28,7 @@ struct Piece {
 /// Pieces in order along a line, without overlap.
 using Pieces = std::vector<Piece>;
 
-/// All of one, and of the other what the first leaves open: for a line along an edge, which both triangles have.
+/// All of `first`, and the parts of `second` in its gaps. A line along an edge lies in both triangles.
 Pieces with_gaps_filled(const Pieces& first, const Pieces& second) {
   Pieces all = first;
   auto next = first.begin();
@@ -45,7 +45,7 @@ Pieces with_gaps_filled(const Pieces& first, const Pieces& second) {
   return all;
 }
 
-/// Cuts one straight line at the edges of the surface's triangles.
+/// Cuts a straight line at the edges of the surface's triangles.
 class Cut {
  public:
   Cut(Surface& surface, Place begin, Place end) : surface_(surface), begin_(begin), end_(end) {}
@@ -75,7 +75,7 @@ class Cut {
 
  private:
   [[nodiscard]] Place at(double share) const {
-    // From the nearer end, so that both ends are themselves.
+    // Computed from the nearer end, so that both ends are exact.
     if (share <= 0.5) {
       return {begin_.col + (end_.col - begin_.col) * share, begin_.row + (end_.row - begin_.row) * share};
     }
@@ -83,7 +83,7 @@ class Cut {
     return {end_.col + (begin_.col - end_.col) * back, end_.row + (begin_.row - end_.row) * back};
   }
 
-  /// Leaves of from..to what is on the side where a distance, linear along the line, is not negative.
+  /// Keeps the part of from..to where a distance, linear along the line, is not negative.
   static void clip(double distance_begin, double distance_end, double& from, double& to) {
     if (distance_begin < 0 && distance_end < 0) {
       to = from;
@@ -94,7 +94,7 @@ class Cut {
     }
   }
 
-  /// Of the line from one share to another, which is within the triangle.
+  /// The pieces of the line from one share to another, within a triangle.
   [[nodiscard]] Pieces pieces(const Triangle& t, double from, double to) {
     Pieces found;
     if (!surface_.may_hold(t)) return found;
@@ -105,9 +105,9 @@ class Cut {
       return found;
     }
     const SplitLine line(t);
-    const double sign = line.side(t.left) > 0 ? 1 : -1;  // positive: on the left half's side
+    const double sign = line.side(t.left) > 0 ? 1 : -1;  // positive on the left half's side
     const double begin = sign * line.side(begin_), end = sign * line.side(end_);
-    if (begin == 0 && end == 0) {  // along the edge between both
+    if (begin == 0 && end == 0) {  // along the edge between the halves
       return with_gaps_filled(pieces(left_half(t), from, to), pieces(right_half(t), from, to));
     }
     const double crossing = begin == end ? -1 : begin / (begin - end);
@@ -126,22 +126,22 @@ class Cut {
   Place begin_, end_;
 };
 
-/// A vertex of the cut, before any is left out.
+/// A vertex of the cut, before thinning.
 struct CutVertex {
-  std::size_t stretch = 0;  ///< between two of the line's points
-  double share = 0;         ///< of that stretch
+  std::size_t stretch = 0;  ///< the stretch between two of the line's points
+  double share = 0;         ///< share of that stretch
   double height = 0;        ///< code
   bool stays = false;
 };
 
-/// The surface along the line: parts, vertices wherever an edge is crossed.
+/// The surface along the line: parts, with a vertex at each crossed edge.
 std::vector<std::vector<CutVertex>> cut(Surface& surface, const Description& d, const Longitudes& longitudes,
                                         std::span<const Position> line) {
   std::vector<std::vector<CutVertex>> parts;
-  bool goes_on = false;  // the last part reaches the end of the stretch before
+  bool goes_on = false;  // the last part reaches the end of the previous stretch
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     if (line[i] == line[i + 1]) continue;
-    // A raster that goes around the globe may have the two ends of a stretch at its own two ends.
+    // Around the globe, a stretch may begin at one end of the raster and end at the other.
     const std::vector<double> shifts = longitudes.shifts(line[i].x, line[i + 1].x, d.extent);
     const double seam = shifts.size() > 1 ? 1e-12 : 0;
     Pieces pieces;
@@ -158,7 +158,7 @@ std::vector<std::vector<CutVertex>> cut(Surface& surface, const Description& d, 
       }
       const bool is_first = parts.back().empty();
       if (is_first || piece.from == 0) {
-        // A point of the line between two stretches is one vertex; it is the later stretch's beginning.
+        // A point between two stretches is one vertex: the beginning of the later one.
         if (!is_first) parts.back().pop_back();
         parts.back().push_back({i, piece.from, piece.height_from, true});
       }
@@ -172,16 +172,16 @@ std::vector<std::vector<CutVertex>> cut(Surface& surface, const Description& d, 
   return parts;
 }
 
-/// Leaves out vertices of a part as long as the straight line past them is within `slack` of each: of those ends that
-/// would do the last before the slopes that pass all vertices between have nothing in common. `place` is where a vertex
-/// stands along its stretch.
+/// Thins a part: leaves out vertices while the straight line past them lies within `slack` of each. A line ends at the
+/// last possible vertex before the ranges of allowed slopes have nothing in common. `place` is a vertex's position
+/// along its stretch.
 template <class Take>
 void thin(const std::vector<CutVertex>& part, double slack, Take&& take) {
   take(part.front());
   for (std::size_t anchor = 0; anchor + 1 < part.size();) {
     double lowest = -std::numeric_limits<double>::infinity(), highest = -lowest;
     std::size_t last = anchor + 1;
-    // A point of the line ends one stretch at share 1 and begins the next at 0; it stands as the latter.
+    // A point between two stretches has share 1 in one and 0 in the next; the latter counts.
     const std::size_t stretch = part[anchor].stretch;
     for (std::size_t i = anchor + 1; i < part.size(); ++i) {
       const double run = (part[i].stretch == stretch ? part[i].share : 1) - part[anchor].share;
@@ -229,17 +229,17 @@ Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<
 
   Surface surface(pages, border, Metres{tolerance.value / 2}, result.cost);
   const double surface_bound = surface.bound();
-  // What the surface leaves of the tolerance: nothing where it needs all or more.
+  // The tolerance minus the surface's bound, or 0.
   double left = 0;
   if (surface_bound < tolerance.value) left = tolerance.value - surface_bound;
   if (std::isinf(tolerance.value)) left = tolerance.value;
   result.bound = Metres{surface_bound + left};
-  // Heights where edges are crossed are rounded: by less than a nanometre, which the vertices that are left out pay.
+  // Heights at crossed edges are rounded by less than a nanometre, which is taken from the slack.
   constexpr double kRounding = 1e-9;
   const double slack = std::max(0.0, left - kRounding) / pages.distance().metres(1);
 
   const Ground ground(d.crs);
-  std::vector<double> begins{0};  // of stretches, in metres
+  std::vector<double> begins{0};  // distances in metres at which stretches begin
   for (std::size_t i = 0; i + 1 < line.size(); ++i) begins.push_back(begins[i] + ground.metres(line[i], line[i + 1]));
   result.length_m = begins.back();
 

@@ -1,5 +1,5 @@
 #pragma once
-// A surface along a line. See Snapshot::profile.
+// The surface along a line: Snapshot::profile.
 
 #include <span>
 

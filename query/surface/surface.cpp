@@ -12,7 +12,7 @@ namespace {
 
 bool inside(const Triangle& t, GridRect r) { return r.contains(t.apex) && r.contains(t.left) && r.contains(t.right); }
 
-/// Which of its apex's four triangles a triangle is: a bit of RestrictedQuadtree::covers.
+/// The bit of a triangle in RestrictedQuadtree::covers: which of its apex's four triangles it is.
 unsigned bit_of(const Triangle& t) {
   const std::array<Triangle, 4> around = apex_triangles(t.apex);
   for (unsigned i = 0; i < around.size(); ++i) {
@@ -41,7 +41,7 @@ double Facet::at(Place p) const {
     const double cols = corner.col - a.col, rows = corner.row - a.row;
     return ((p.col - a.col) * cols + (p.row - a.row) * rows) / (cols * cols + rows * rows);
   };
-  return apex + along(l) * (left - apex) + along(r) * (right - apex);  // the legs stand at a right angle
+  return apex + along(l) * (left - apex) + along(r) * (right - apex);  // the legs are at right angles
 }
 
 Surface::Surface(const StoredPages& pages, const ExtentBorder& border, Metres tolerance, QueryCost& cost)
@@ -70,14 +70,14 @@ PageId Surface::page_with(GridPoint p) const { return page_of(p, band_of(p, page
 
 bool Surface::is_split(const Triangle& t) {
   if (is_finest(t)) return false;
-  // The border has every triangle split that leaves the extent.
+  // The border splits every triangle that leaves the extent.
   return !inside(t, extent_) || is_selected(midpoint(t.left, t.right));
 }
 
 bool Surface::is_selected(GridPoint p) {
   const PageId id = page_with(p);
   const ChildEntry& entry = nearby_.entry(id);
-  // Vertices amid voids may stand in pages that were never stored; no triangle with data needs them.
+  // A vertex beside voids may belong to a page without data, which is not stored. No triangle with data needs it.
   if (!entry.present) return false;
   if (entry.largest <= threshold_ && !border_.contains(p)) return false;  // without reading the page
   const Page& page = *nearby_.page(id);
@@ -101,7 +101,7 @@ double Surface::corner(GridPoint p) {
   const Page* page = nearby_.page(id);
   if (page == nullptr) {
     throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: {}: page {}/{} of band {} is missing: a triangle stands on it",
+                  fmt::format("corrupt: {}: page {}/{} of band {} is missing, but a triangle needs it",
                               pages_.file().string(), id.x, id.y, id.band),
                   pages_.file());
   }
@@ -116,8 +116,7 @@ std::optional<double> Surface::height(Place p) {
     const double half = 0.5 * root_side(extent_);
     const GridPoint middle = midpoint(root.left, root.right);
     if (std::abs(p.col - middle.col) > half || std::abs(p.row - middle.row) > half) continue;
-    // A root square is cut along its diagonal; on which side of it a place is, is the side it is of the split line's
-    // right angle.
+    // A root square is cut along its diagonal. A place belongs to the half on its side.
     const std::int64_t right = root.right.col - root.left.col, down = root.right.row - root.left.row;
     const auto side = [&](double col, double row) {
       return static_cast<double>(right) * (row - root.left.row) - static_cast<double>(down) * (col - root.left.col);
@@ -134,7 +133,7 @@ std::optional<double> Surface::height(const Triangle& root, Place p) {
     const SplitLine line(t);
     const double side = line.side(p);
     const Triangle left = left_half(t), right = right_half(t);
-    if (side == 0) {  // on both: one of them may be beyond the extent, or void
+    if (side == 0) {  // on both: one may be void or beyond the extent
       if (may_hold(left)) {
         if (const auto found = height(left, p)) return found;
       }
@@ -149,7 +148,7 @@ std::optional<double> Surface::height(const Triangle& root, Place p) {
 }
 
 double Surface::bound() const {
-  // As of an answer, but for what the vertices that are absent happen to reach.
+  // An answer's bound may be smaller: it is the largest error of an absent vertex.
   const Description& d = pages_.manifest().description;
   constexpr double kDecimalRounding = 1e-9;
   const bool heights_are_exact = pages_.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;

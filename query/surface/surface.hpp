@@ -1,9 +1,9 @@
 #pragma once
-// The surface of the answer to the whole extent at a tolerance, wherever one looks at it, without making the answer.
+// The surface of the answer for the whole extent, at any place, without computing the answer.
 //
-// Every triangle is half the diamond of the midpoint of its hypotenuse. Where that vertex is selected, the triangle is
-// split into two from its right angle to that midpoint; so from the root squares down any place is reached through
-// triangles that contain it, and the first whose midpoint is not selected is the answer's.
+// Every triangle is half the diamond of its hypotenuse's midpoint. If that vertex is selected, the triangle is split
+// from its right angle to the midpoint. So one walks from the root squares down through triangles that contain a place;
+// the first whose midpoint is not selected is the answer's.
 
 #include <cstdint>
 #include <optional>
@@ -16,15 +16,15 @@
 
 namespace talus {
 
-/// Of a position; on a grid line if within 10⁻⁶ cell of it, as rectangles are.
+/// The place of a position. Within 10⁻⁶ cell of a grid line it is on the line, as for rectangles.
 [[nodiscard]] Place grid_place(const GridMapping& mapping, Position p);
-/// A position that is no number lies nowhere.
+/// A NaN position lies in no rectangle.
 [[nodiscard]] constexpr bool contains(GridRect rect, Place p) {
   return p.col >= rect.first.col && p.col <= rect.last.col && p.row >= rect.first.row && p.row <= rect.last.row;
 }
 
-/// The line that splits a triangle, from its right angle to the middle of its hypotenuse. It runs along a row, a column
-/// or a diagonal.
+/// The line that splits a triangle, from its right angle to the middle of its hypotenuse: along a row, a column or a
+/// diagonal.
 struct SplitLine {
   GridPoint from;
   std::int32_t right = 0, down = 0;  ///< its direction, -1, 0 or 1 each
@@ -41,33 +41,32 @@ struct SplitLine {
   static constexpr std::int32_t sign(std::int32_t v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
 };
 
-/// Heights over a triangle, in height codes.
+/// The plane of a triangle, in height codes.
 struct Facet {
   Triangle corners;
   double apex = 0, left = 0, right = 0;
   [[nodiscard]] double at(Place p) const;
 };
 
-/// Not from several threads at once.
+/// For one thread at a time.
 class Surface {
  public:
-  /// tolerance  as of Question
+  /// tolerance  as in Question
   Surface(const StoredPages& pages, const ExtentBorder& border, Metres tolerance, QueryCost& cost);
 
-  /// The triangles to begin with: two for each root square that has something of the extent.
+  /// The triangles at the top: two for each root square that overlaps the extent.
   [[nodiscard]] const std::vector<Triangle>& roots() const { return roots_; }
-  /// Whether some of a triangle is within the extent's sides.
+  /// Whether a triangle overlaps the extent.
   [[nodiscard]] bool may_hold(const Triangle& t) const;
-  /// Whether the middle of its hypotenuse is a vertex: then the surface is that of the two halves.
+  /// Whether the middle of its hypotenuse is a vertex. The surface then has its two halves.
   [[nodiscard]] bool is_split(const Triangle& t);
-  /// Of a triangle that is not split; nothing where it holds no data.
+  /// The plane of a triangle that is not split; empty if it has no data.
   [[nodiscard]] std::optional<Facet> facet(const Triangle& t);
 
-  /// In height codes: of the triangles that are not split and contain a place, any that holds data.
+  /// The height code of a triangle at a place that has data.
   [[nodiscard]] std::optional<double> height(Place p);
 
-  /// Metres that no covered sample is farther away than; may be above the tolerance asked for, see
-  /// RestrictedQuadtree::bound.
+  /// The surface's bound in metres. It may be above the tolerance, see RestrictedQuadtree::bound.
   [[nodiscard]] double bound() const;
 
  private:
@@ -79,10 +78,10 @@ class Surface {
   const StoredPages& pages_;
   const ExtentBorder& border_;
   GridRect extent_;
-  double tolerance_;  ///< what is left of the one asked for
+  double tolerance_;  ///< metres, minus the loss
   ErrorCode threshold_;
   NearbyPages nearby_;
-  std::optional<KeptHeights> kept_heights_;  ///< where some were dropped
+  std::optional<KeptHeights> kept_heights_;  ///< if some heights were dropped
   std::vector<Triangle> roots_;
 };
 

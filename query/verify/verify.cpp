@@ -25,7 +25,7 @@ CellsOfRow cells_of_rows(const Description& d) {
   };
 }
 
-/// From 0 to 1 over all parts, by their steps.
+/// Reports progress from 0 to 1.
 class Telling {
  public:
   Telling(const VerifyOptions& options, std::uint64_t steps)
@@ -48,7 +48,7 @@ class Verification {
         description_(pages.manifest().description),
         extent_(description_.extent),
         options_(options),
-        // A tile is as much work as its 65 pages again; so are a few answers, and holding its samples against a truth.
+        // In pages read, a tile is as much work as 65 pages; answers and comparing with a truth are as much again.
         telling_(options, (options.truth ? 4 : 3) * tiles_in(extent_) * kStepsATile) {}
 
   VerifyReport report;
@@ -63,17 +63,17 @@ class Verification {
  private:
   static constexpr std::uint64_t kStepsATile = 65;
 
-  /// The database against itself.
+  /// Checks the database against itself.
   void structure() {
     for (const std::string& sentence : check_structure(pages_.file())) findings_.everywhere(sentence);
-    if (report.is_damaged()) return;  // not safe to follow
+    if (report.is_damaged()) return;  // not safe to read further
     if (const std::string seal = check_seal(pages_.file()); !seal.empty()) findings_.of_file(seal);
     const std::uint64_t before = findings_.count();
     DecodedPages decoded(pages_);
     const CheckedPages of_band_1 = check_pages(pages_, decoded, findings_, report, [&] { telling_.step("pages"); });
     const TileTotals totals = check_tiles(pages_, decoded, of_band_1, findings_, report,
                                           [&] { telling_.step("samples, errors and records", kStepsATile); });
-    // What is computed from damaged pages would blame others.
+    // Damaged pages would cause false findings here.
     if (findings_.count() == before) {
       check_header(totals);
       check_coarse(pages_, decoded, findings_);
@@ -81,15 +81,15 @@ class Verification {
     if (findings_.count() == before) check_answers();
   }
 
-  /// What the header says of all tiles.
+  /// Compares the header with all tiles.
   void check_header(const TileTotals& totals) {
     const Description& d = description_;
     const std::uint64_t voids = static_cast<std::uint64_t>(extent_.samples()) - totals.valid_samples;
     if (d.void_samples != voids)
-      findings_.everywhere(fmt::format("header: {} samples are void, it says {}", voids, d.void_samples));
+      findings_.everywhere(fmt::format("header: it says {} void samples, but there are {}", d.void_samples, voids));
     if (totals.valid_samples > 0 && (d.minimum != totals.lowest || d.maximum != totals.highest)) {
-      findings_.everywhere(fmt::format("header: heights {} to {}, it says {} to {}", totals.lowest, totals.highest,
-                                       d.minimum, d.maximum));
+      findings_.everywhere(fmt::format("header: it says heights from {} to {}, but they are from {} to {}", d.minimum,
+                                       d.maximum, totals.lowest, totals.highest));
     }
     try {
       check_provenance(totals);
@@ -99,7 +99,7 @@ class Verification {
     }
   }
 
-  /// Nothing an answer needs, but what a plan of an answer's size relies on.
+  /// Answers do not need provenance, but estimates of an answer's size do.
   void check_provenance(const TileTotals& totals) {
     const std::uint32_t generation = pages_.manifest().generation;
     for (const std::uint64_t position : {kManifestPosition, kPlanPosition, kProvenancePosition}) {
@@ -107,25 +107,26 @@ class Verification {
       if (!stored) {
         findings_.of_file(fmt::format("header: part {} is missing", position));
       } else if (stored->generation != generation) {
-        findings_.of_file(fmt::format("header: part {} was written by update {}, the database has had {}", position,
+        findings_.of_file(fmt::format("header: part {} was written by update {}, but the header says {}", position,
                                       stored->generation, generation));
       } else if (position == kProvenancePosition) {
         const Provenance said = decode_provenance(stored->content);
         if (said.generation != generation)
-          findings_.of_file(fmt::format("provenance: {} updates, the header says {}", said.generation, generation));
-        // Updates have put their counts behind those of before.
+          findings_.of_file(
+              fmt::format("provenance: it says {} updates, but the header says {}", said.generation, generation));
+        // Updates append their counts to those of earlier versions.
         const std::size_t counts = said.vertices_above.size();
         bool is_same = counts >= kErrorRungs;
         for (std::size_t i = 0; is_same && i < kErrorRungs; ++i)
           is_same = said.vertices_above[counts - kErrorRungs + i] == std::pair{error_rung(i), totals.errors[i]};
-        if (!is_same) findings_.of_file("provenance: its counts of vertices are not those of the records");
+        if (!is_same) findings_.of_file("provenance: its counts of vertices differ from those in the records");
       }
     }
     vertices_above_ = totals.errors;
   }
 
-  /// At 0 and at 1, 2, 5 … m: the whole raster where its answer is small, else in squares. A tolerance that selects as
-  /// many vertices of fine levels as the one before selects the same ones.
+  /// Asks at 0 and at 1, 2, 5 … m: for the whole raster if its answer is small, else in squares. A tolerance that
+  /// selects as many vertices of fine levels as the one before selects the same ones, so it is skipped.
   void check_answers() {
     for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
       const double tolerance = error_rung(rung);
@@ -156,7 +157,7 @@ class Verification {
     }
   }
 
-  /// Strip by strip, the height of a page each.
+  /// Compares strips that are as high as a page.
   void compare_samples() {
     for (std::int32_t row = extent_.first.row; row <= extent_.last.row; row += kPageSide) {
       const GridRect strip{{extent_.first.col, row},
@@ -171,12 +172,12 @@ class Verification {
     if (options_.tolerance) return true_error_of(*options_.tolerance);
     const double finest = description_.finest_tolerance;
     if (finest == 0) return;
-    // Of a database that did not keep all samples.
+    // The database does not keep all samples.
     true_error_of(Metres{finest});
-    constexpr double kRounding = 1e-9;  // metres, of the surface's arithmetic
+    constexpr double kRounding = 1e-9;  // metres: the rounding of the surface's heights
     if (report.true_error->value > finest * (1 + 1e-12) + kRounding) {
-      findings_.difference(
-          fmt::format("the finest answer is {} m off, the database promises {} m", report.true_error->value, finest));
+      findings_.difference(fmt::format("the finest answer is {} m off, but the database promises {} m",
+                                       report.true_error->value, finest));
     }
   }
 
@@ -193,14 +194,14 @@ class Verification {
     report.uncovered_samples = error.uncovered;
     report.stray_samples = error.stray;
     if (error.uncovered > 0)
-      findings_.difference(fmt::format("{} covered samples lie under no triangle", error.uncovered));
+      findings_.difference(fmt::format("{} samples that the mesh must cover lie under no triangle", error.uncovered));
   }
 
-  /// Bit for bit, or within what ingest has rounded by.
+  /// Whether a source's sample is stored bit for bit, or within the loss of a height step.
   [[nodiscard]] bool is_stored_as(double stored, double source) const {
     const Description& d = description_;
     if (std::bit_cast<std::uint64_t>(stored) == std::bit_cast<std::uint64_t>(source)) return true;
-    // Of a multiple of the step, which decimals are not quite.
+    // The rounding of a multiple of the step, if that is a decimal.
     const double arithmetic = 4 * std::numeric_limits<double>::epsilon() * std::abs(source);
     return d.lossy_metres > 0 && std::abs(stored - source) <= d.lossy_metres / d.metres_per_unit + arithmetic;
   }
@@ -215,14 +216,14 @@ class Verification {
         continue;
       const auto cols = static_cast<std::size_t>(stored.region.cols());
       const auto text = [](bool valid, double v) { return valid ? fmt::format("{}", v) : std::string("void"); };
-      findings_.difference(fmt::format("sample at column {}, row {}: {} is stored, the source has {}",
+      findings_.difference(fmt::format("sample at column {}, row {}: the database has {}, but the source has {}",
                                        stored.region.first.col + static_cast<std::int64_t>(i % cols),
                                        stored.region.first.row + static_cast<std::int64_t>(i / cols),
                                        text(stored.valid[i] != 0, stored.values[i]), text(data, expected.values[i])));
     }
   }
 
-  static constexpr std::int64_t kSquare = 2048, kMostMask = std::int64_t{1} << 30;  ///< samples a side, and in all
+  static constexpr std::int64_t kSquare = 2048, kMostMask = std::int64_t{1} << 30;  ///< samples per side, and in all
   static constexpr std::uint64_t kMostVertices = 4'000'000;
 
   const StoredPages& pages_;

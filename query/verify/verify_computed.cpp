@@ -27,12 +27,12 @@ GridRect tiles_of(GridRect extent) {
 }
 
 GridRect square_of(TileId id) { return page_square({1, id.x, id.y}); }
-/// What a finding about a tile is about: its square, or what it is computed from where that lies beyond all samples.
+/// The place of a finding about a tile: its square, or its window if the square has no samples.
 GridRect place_of(TileId id, GridRect extent) {
   return overlap(square_of(id), extent) ? square_of(id) : tile_window(id, extent);
 }
 
-/// What all computing has in common.
+/// Facts that all computations need.
 struct Rules {
   explicit Rules(const Manifest& m)
       : manifest(m),
@@ -53,11 +53,11 @@ struct Rules {
   GridRect extent;
   CodeDistance distance;
   GroundScale ground;
-  std::optional<ErrorCode> dropped;  ///< not all samples were kept: errors up to this one may be said to be 0
+  std::optional<ErrorCode> dropped;  ///< if not all samples were kept: errors up to this one may be stored as 0
 };
 
-/// Holds a page against what was computed: error(p), covers(p), height(p), is_data(p). Null: a page that is not stored.
-/// Says the first difference, if there is one.
+/// The first difference between a page and error(p), covers(p), height(p), is_data(p) as computed; empty if there is
+/// none. A null page is one that is not stored.
 template <class Computed>
 std::string difference(const Rules& rules, const PageGrid& grid, PageId id, const Page* page,
                        const Computed& computed) {
@@ -73,10 +73,10 @@ std::string difference(const Rules& rules, const PageGrid& grid, PageId id, cons
       const ErrorCode said = page == nullptr ? ErrorCode{0} : page->error(i, rules.distance);
       if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
       if (error != said)
-        return fmt::format("error {} m {}, the samples say {} m", error_of(said), at(), error_of(error));
+        return fmt::format("the error {} is {} m, but the samples give {} m", at(), error_of(said), error_of(error));
       const bool is_data = page != nullptr && (page->valid.empty() || page->valid[i] != 0);
       if (is_data != computed.is_data(p))
-        return fmt::format("{} {}, where it should be {}", is_data ? "a sample" : "no data", at(),
+        return fmt::format("{} {}, expected {}", is_data ? "a sample" : "no data", at(),
                            is_data ? "no data" : "a sample");
       const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
                                   : page->covers.empty() ? std::uint8_t{15}
@@ -87,14 +87,14 @@ std::string difference(const Rules& rules, const PageGrid& grid, PageId id, cons
         for (std::size_t t = 0; t < triangles.size(); ++t) {
           if (!extent.contains(triangles[t].left) || !extent.contains(triangles[t].right)) continue;
           if ((covers >> t & 1) != (wanted >> t & 1))
-            return fmt::format("triangle {} {} is said to hold {}, which is not so", t, at(),
-                               (covers >> t & 1) != 0 ? "data" : "no data");
+            return fmt::format("triangle {} {} is wrongly marked as {}", t, at(),
+                               (covers >> t & 1) != 0 ? "valid" : "void");
         }
       }
       if (page == nullptr || covers == 0 || page->is_dropped(col, row)) continue;
       if (!is_same(page->heights[i], computed.height(p))) {
         const HeightStep& step = rules.manifest.description.step;
-        return fmt::format("{} {} {}, {} say {}", is_data ? "height" : "fill", step.value(page->heights[i]), at(),
+        return fmt::format("{} {} {}, but {} give {}", is_data ? "height" : "fill", step.value(page->heights[i]), at(),
                            is_data ? "records" : "the samples around it", step.value(computed.height(p)));
       }
     }
@@ -122,7 +122,7 @@ class TileChecks {
     const GridRect tiles = tiles_of(rules_.extent);
     pages_.transaction().for_each(kRecordTable, [&](std::uint64_t position) {
       const PageId id = page_at(1, position);
-      if (!tiles.contains({id.x, id.y})) findings_.in(id, "there is a record of a tile that has no sample");
+      if (!tiles.contains({id.x, id.y})) findings_.in(id, "its tile has a record, but no samples");
     });
     for (std::int32_t y = tiles.first.row; y <= tiles.last.row; ++y) {
       for (std::int32_t x = tiles.first.col; x <= tiles.last.col; ++x) {
@@ -143,7 +143,7 @@ class TileChecks {
     const bool is_as_stored = check_pages_of(id);
     const std::vector<std::byte> said = encode(*record);
     if (!is_as_stored || said == encode(summary_of(id))) return;
-    // An update may have made numbers wider than those the tile was computed in: its record keeps how it was.
+    // An update may have changed to wider numbers since the tile was computed, so its record may have others.
     for (std::size_t kind = 0; kind < 3; ++kind) {
       if (!compute(id, kind)) continue;
       if (said == encode(summary_of(id))) return;
@@ -163,7 +163,7 @@ class TileChecks {
       ++report_.records;
       TileSummary record = decode_tile_summary(stored->content);
       if (stored->generation != record.entry.generation)
-        return refuse(fmt::format("record of tile {}/{}: written by update {}, it says {}", id.x, id.y,
+        return refuse(fmt::format("record of tile {}/{}: written by update {}, but it says {}", id.x, id.y,
                                   stored->generation, record.entry.generation));
       return record;
     } catch (const Failure& f) {
@@ -181,7 +181,7 @@ class TileChecks {
     for (std::size_t i = 0; i < kErrorRungs; ++i) totals_.errors[i] += record.errors[i];
   }
 
-  /// The samples of the tile's window; false where a page cannot be read.
+  /// Reads the samples of the tile's window; false if a page cannot be read.
   bool read(TileId id) {
     window_ = tile_window(id, rules_.extent);
     const auto samples = is_empty(window_) ? std::size_t{0} : static_cast<std::size_t>(window_.samples());
@@ -208,7 +208,7 @@ class TileChecks {
   }
   [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(window_, p); }
 
-  /// Computes the tile in numbers of a kind; false if they do not hold its samples.
+  /// Computes the tile in a kind of numbers; false if that kind cannot hold its samples.
   bool compute(TileId id, std::size_t kind) {
     const auto hold = [&]<class T>(T) {
       std::vector<T> codes(codes_.size());
@@ -235,7 +235,7 @@ class TileChecks {
     tile_errors(input, tile_);
     return true;
   }
-  /// The kind that ingest takes for a source's type.
+  /// The kind of numbers that ingest uses for the source's type.
   [[nodiscard]] std::size_t usual_kind() const {
     const std::string& type = rules_.manifest.description.source_type;
     return type == "Byte" || type == "Int16" ? 0 : type == "UInt16" || type == "Float32" ? 1 : 2;
@@ -255,12 +255,12 @@ class TileChecks {
     [[nodiscard]] double height(GridPoint p) const { return code_at(view(checks.tile_.heights), checks.index(p)); }
   };
 
-  /// Whether all pages of bands 0 and 1 of a tile are as its samples say.
+  /// Whether all pages of bands 0 and 1 of a tile follow from its samples.
   bool check_pages_of(TileId id) {
     if (is_empty(window_)) return true;
     for (std::size_t kind = usual_kind(); !compute(id, kind);) {
       if (++kind < 3) continue;
-      findings_.in(place_of(id, rules_.extent), "heights that are no numbers");
+      findings_.in(place_of(id, rules_.extent), "some heights are not numbers");
       return false;
     }
     const PageId parent{1, id.x, id.y};
@@ -273,14 +273,14 @@ class TileChecks {
     const PageGrid grid = page_grid(id, rules_.extent);
     if (grid.size() == 0) return true;
     const DecodedPages::Found found = decoded_.get(id);
-    if (found.is_damaged()) return false;  // found before
+    if (found.is_damaged()) return false;  // already reported
     const std::string sentence = difference(rules_, grid, id, found.page.get(), OfTile{*this});
     if (sentence.empty()) return true;
-    findings_.in(id, found.page ? sentence : "not stored: " + sentence);
+    findings_.in(id, found.page ? sentence : "missing: " + sentence);
     return false;
   }
 
-  /// The record as ingest makes it.
+  /// The record as ingest would make it.
   [[nodiscard]] TileSummary summary_of(TileId id) const {
     TileSummary made;
     if (is_empty(window_)) return made;
@@ -331,7 +331,7 @@ class TileChecks {
     }
     return made;
   }
-  /// Of a tile with data near it whose page of band 1 has nothing to say.
+  /// The entry of a tile with data nearby, but without a page of band 1.
   static ChildEntry entry_of_no_page() {
     ChildEntry entry;
     entry.lowest = std::numeric_limits<float>::infinity();
@@ -339,7 +339,7 @@ class TileChecks {
     return entry;
   }
 
-  /// Without any data, all halves inside the extent are void, and all vertices without a fill.
+  /// The record of a tile without data: all halves inside the extent are void, and no vertex has a fill.
   void hold_voids(TileId id, TileRecord& record) const {
     const GridRect closed = closed_tile(id);
     const auto halves_of = [&](GridPoint p) {
@@ -366,7 +366,7 @@ class TileChecks {
     }
   }
 
-  /// What of a record differs.
+  /// The first difference of a record.
   [[nodiscard]] std::string describe(TileId id, const TileSummary& said) {
     compute(id, usual_kind());
     const TileSummary made = summary_of(id);
@@ -375,19 +375,20 @@ class TileChecks {
     };
     for (std::size_t i = 0; i < TileSummary::kPosts; ++i) {
       if (is_same(said.posts[i], made.posts[i]) && said.post_valid[i] == made.post_valid[i]) continue;
-      return sentence(fmt::format("it repeats a height of {} where the page has {}", said.posts[i], made.posts[i]));
+      return sentence(fmt::format("it has a height of {}, but the page has {}", said.posts[i], made.posts[i]));
     }
-    if (!(said.entry == made.entry)) return sentence("it says other things of the tile's page than that page");
+    if (!(said.entry == made.entry)) return sentence("it contradicts the tile's page");
     if (said.valid_samples != made.valid_samples)
-      return sentence(fmt::format("{} samples are data, it says {}", made.valid_samples, said.valid_samples));
-    if (said.lowest != made.lowest || said.highest != made.highest)
       return sentence(
-          fmt::format("heights {} to {}, it says {} to {}", made.lowest, made.highest, said.lowest, said.highest));
-    if (said.errors != made.errors) return sentence("its counts of errors are not those of the tile's pages");
-    return sentence("it is not what follows from the tile's samples");
+          fmt::format("it says {} valid samples, but there are {}", said.valid_samples, made.valid_samples));
+    if (said.lowest != made.lowest || said.highest != made.highest)
+      return sentence(fmt::format("it says heights from {} to {}, but they are from {} to {}", said.lowest,
+                                  said.highest, made.lowest, made.highest));
+    if (said.errors != made.errors) return sentence("its counts of errors differ from those of the tile's pages");
+    return sentence("it does not follow from the tile's samples");
   }
 
-  /// Of a record, where not all samples were kept: what pages still say.
+  /// Checks a record if not all samples were kept: only against the pages.
   void check_kept(TileId id, const TileSummary& said) {
     const auto refuse = [&](const std::string& what) {
       findings_.in(place_of(id, rules_.extent), fmt::format("record of tile {}/{}: {}", id.x, id.y, what));
@@ -395,12 +396,12 @@ class TileChecks {
     const auto page = of_band_1_.find(curve_position({1, id.x, id.y}));
     const bool is_stored = page != of_band_1_.end();
     if (is_stored && !page->second.is_readable) return;
-    if (said.entry.present != is_stored) return refuse("it says other things of the tile's page than that page");
+    if (said.entry.present != is_stored) return refuse("it contradicts the tile's page");
     if (is_stored) {
       const ChildEntry& made = page->second.entry;
       if (said.entry.largest != made.largest || said.entry.generation != made.generation ||
           said.entry.lowest > made.lowest || said.entry.highest < made.highest)
-        return refuse("it says other things of the tile's page than that page");
+        return refuse("it contradicts the tile's page");
     }
     const GridRect square = square_of(id);
     std::uint64_t valid = 0;
@@ -413,7 +414,7 @@ class TileChecks {
       }
     }
     if (valid != said.valid_samples)
-      return refuse(fmt::format("{} samples are data, it says {}", valid, said.valid_samples));
+      return refuse(fmt::format("it says {} valid samples, but there are {}", said.valid_samples, valid));
     check_kept_counts(id, said, refuse);
   }
   template <class Refuse>
@@ -440,7 +441,7 @@ class TileChecks {
       if (within < *rules_.dropped) continue;
       std::uint64_t above = 0;
       for (std::size_t code = within + 1u; code < by_code.size(); ++code) above += by_code[code];
-      if (above != said.errors[rung]) return refuse("its counts of errors are not those of the tile's pages");
+      if (above != said.errors[rung]) return refuse("its counts of errors differ from those of the tile's pages");
     }
   }
 
@@ -503,7 +504,7 @@ void check_coarse(const StoredPages& pages, DecodedPages& decoded, Findings& fin
       if (found.is_damaged()) continue;
       const std::string sentence =
           difference(rules, page_grid(id, rules.extent), id, found.page.get(), OfLevels{levels});
-      if (!sentence.empty()) findings.in(id, found.page ? sentence : "not stored: " + sentence);
+      if (!sentence.empty()) findings.in(id, found.page ? sentence : "missing: " + sentence);
     }
   }
 }

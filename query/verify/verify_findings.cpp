@@ -38,7 +38,7 @@ void Findings::in(GridRect samples, const std::string& sentence) {
     report_.damaged.push_back({part, rectangle, sentence, 1});
   } else {
     places_.erase(place);
-    report_.is_rest_usable = false;  // there is more than is listed
+    report_.is_rest_usable = false;  // not all findings are listed
   }
 }
 

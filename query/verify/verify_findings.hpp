@@ -1,5 +1,5 @@
 #pragma once
-// What verify has found so far, and where.
+// Collects the findings of verify and their places.
 
 #include <map>
 #include <string>
@@ -14,15 +14,15 @@ class Findings {
  public:
   Findings(VerifyReport& report, const Description& description) : report_(report), description_(description) {}
 
-  /// About a page: answers that need its square may be refused, or wrong.
+  /// A finding in a page. Answers that need its square may fail or be wrong.
   void in(PageId page, const std::string& sentence);
-  /// About a rectangle; without a sample of the extent it is about everything.
+  /// A finding in a rectangle; if that has no sample of the extent, a finding about everything.
   void in(GridRect samples, const std::string& sentence);
-  /// About something that all answers depend on.
+  /// A finding that concerns all answers.
   void everywhere(const std::string& sentence);
-  /// About the file, beside what is found in its pages.
+  /// A finding about the file that concerns no answer.
   void of_file(const std::string& sentence) { add(sentence); }
-  /// The database is sound in itself, and is not what it was held against.
+  /// A difference between a sound database and the truth it was compared with.
   void difference(const std::string& sentence);
 
   [[nodiscard]] std::uint64_t count() const { return report_.finding_count; }
@@ -32,7 +32,7 @@ class Findings {
 
   VerifyReport& report_;
   const Description& description_;
-  std::map<std::tuple<int, int, int, int>, std::size_t> places_;  ///< of rectangles in the report
+  std::map<std::tuple<int, int, int, int>, std::size_t> places_;  ///< indices of rectangles in the report
 };
 
 [[nodiscard]] std::string name_of(PageId id);

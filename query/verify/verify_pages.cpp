@@ -61,7 +61,7 @@ class PageChecks {
   void visit(PageId id, CheckedPages& here) {
     ++report_.pages;
     told_();
-    if (!overlap(page_square(id), extent_)) return findings_.in(id, "outside the extent");
+    if (!overlap(page_square(id), extent_)) return findings_.in(id, "lies outside the extent");
     const DecodedPages::Found found = decoded_.get(id);
     CheckedPage& checked = here[curve_position(id)];
     checked.entry.present = true;
@@ -70,8 +70,8 @@ class PageChecks {
       return findings_.in(page_square(id), found.is_damaged() ? found.damage : name_of(id) + ": missing");
     }
     if (found.generation > manifest_.generation) {
-      findings_.in(
-          id, fmt::format("written by update {}, the database has had {}", found.generation, manifest_.generation));
+      findings_.in(id, fmt::format("written by update {}, but the database has had only {}", found.generation,
+                                   manifest_.generation));
     }
     check_own(*found.page);
     check_against_above(*found.page);
@@ -79,10 +79,10 @@ class PageChecks {
     checked.entry.generation = found.generation;
   }
 
-  /// Errors of own vertices; each kind of finding once a page.
+  /// Checks the errors of own vertices. Reports each kind of finding once per page.
   void check_own(const Page& page) {
     if (page.drops_heights && !drops_)
-      findings_.in(page.id, "heights were left out, the header says that all were kept");
+      findings_.in(page.id, "heights were left out, but the header says that all were kept");
     bool is_found = false;
     for (std::int32_t row = 0; row < page.grid.rows && !is_found; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols && !is_found; ++col) {
@@ -102,15 +102,16 @@ class PageChecks {
       const Page* there = &page;
       if (!(id == page.id)) {
         const DecodedPages::Found found = decoded_.get(id);
-        if (found.is_damaged()) continue;  // found there
+        if (found.is_damaged()) continue;  // already reported
         other = found.page;
         there = other.get();
       }
       const ErrorCode above = there == nullptr ? ErrorCode{0} : error_at(*there, parent);
       if (above >= own) continue;
       findings_.in(page_square(id),
-                   fmt::format("{}: error {} m at column {}, row {} is below {} m of a vertex of {} that depends on it",
-                               name_of(id), error_of(above), parent.col, parent.row, error_of(own), name_of(page.id)));
+                   fmt::format("{}: the error at column {}, row {} is {} m, which is below the {} m of a vertex in {} "
+                               "that depends on it",
+                               name_of(id), parent.col, parent.row, error_of(above), error_of(own), name_of(page.id)));
       return false;
     }
     return true;
@@ -119,11 +120,11 @@ class PageChecks {
     return page.error(page.index(p), pages_.distance());
   }
 
-  /// Samples that the page above has, too.
+  /// Compares the samples that the page above has, too.
   void check_against_above(const Page& page) {
     if (page.id.band + 1 >= manifest_.bands) return;
     const DecodedPages::Found found = decoded_.get(parent_page(page.id));
-    if (!found.page) return;  // found there
+    if (!found.page) return;  // already reported
     const Page& above = *found.page;
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
       for (std::int32_t col = 0; col < page.grid.cols; ++col) {
@@ -142,14 +143,14 @@ class PageChecks {
         const auto text = [&](bool is_sample, double code) {
           return is_sample ? fmt::format("{}", step.value(code)) : std::string("void");
         };
-        return findings_.in(page.id, fmt::format("the sample at column {}, row {} is {}, {} says {}", p.col, p.row,
+        return findings_.in(page.id, fmt::format("the sample at column {}, row {} is {}, but {} says {}", p.col, p.row,
                                                  text(is_data, page.heights[here]), name_of(above.id),
                                                  text(is_data_above, above.heights[there])));
       }
     }
   }
 
-  /// What the page above should say of this one; its table is held against the pages below.
+  /// The entry that the page above should have of this one. Also checks the page's own entries of pages below.
   [[nodiscard]] ChildEntry with_children(const Page& page) {
     ChildEntry entry = range_of(page, manifest_.description.step);
     for (std::int32_t row = 0; row < page.grid.rows; ++row) {
@@ -181,14 +182,14 @@ class PageChecks {
 
   void compare(PageId below, const ChildEntry& said, const ChildEntry& found) {
     if (said.largest != found.largest) {
-      findings_.in(below, fmt::format("largest error {} m, the page above it says {} m", error_of(found.largest),
+      findings_.in(below, fmt::format("largest error {} m, but the page above it says {} m", error_of(found.largest),
                                       error_of(said.largest)));
     } else if (said.generation != found.generation) {
-      findings_.in(below,
-                   fmt::format("written by update {}, the page above it says {}", found.generation, said.generation));
+      findings_.in(
+          below, fmt::format("written by update {}, but the page above it says {}", found.generation, said.generation));
     } else if (!is_range_of(said, found)) {
-      findings_.in(below, fmt::format("heights {} to {}, the page above it says {} to {}", found.lowest, found.highest,
-                                      said.lowest, said.highest));
+      findings_.in(below, fmt::format("heights {} to {}, but the page above it says {} to {}", found.lowest,
+                                      found.highest, said.lowest, said.highest));
     }
   }
 
@@ -200,13 +201,13 @@ class PageChecks {
     return any;
   }
 
-  /// The range is that of all samples, and some may not be there any more.
+  /// Whether the ranges agree. If not all samples were kept, the stated range may be wider.
   [[nodiscard]] bool is_range_of(const ChildEntry& said, const ChildEntry& found) const {
     if (drops_) return said.lowest <= found.lowest && said.highest >= found.highest;
     return said.lowest == found.lowest && said.highest == found.highest;
   }
 
-  /// A query begins with all pages of the last band.
+  /// Checks all pages of the last band, where every query begins.
   void check_tops() {
     const auto tops = pages_of_band(manifest_.bands - 1, extent_);
     for (std::size_t i = 0; i < tops.size(); ++i) {
@@ -214,8 +215,8 @@ class PageChecks {
       if (found == below_.end()) {
         findings_.in(tops[i], "missing");
       } else if (found->second.is_readable && found->second.entry.generation != manifest_.top_generations[i]) {
-        findings_.in(tops[i], fmt::format("written by update {}, the header says {}", found->second.entry.generation,
-                                          manifest_.top_generations[i]));
+        findings_.in(tops[i], fmt::format("written by update {}, but the header says {}",
+                                          found->second.entry.generation, manifest_.top_generations[i]));
       }
     }
   }
@@ -223,8 +224,8 @@ class PageChecks {
   const StoredPages& pages_;
   const Manifest& manifest_;
   GridRect extent_;
-  bool drops_;         ///< not all samples were kept
-  ErrorCode dropped_;  ///< errors up to it select nothing: pages may say 0 instead
+  bool drops_;         ///< whether not all samples were kept
+  ErrorCode dropped_;  ///< pages may store errors up to this one as 0
   DecodedPages& decoded_;
   Findings& findings_;
   VerifyReport& report_;

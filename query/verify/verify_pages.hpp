@@ -1,5 +1,5 @@
 #pragma once
-// Verify, first part: pages against themselves, the pages above them and beside them.
+// Verify, first part: compares pages with the pages above, below and beside them.
 
 #include <cstdint>
 #include <functional>
@@ -10,20 +10,19 @@
 
 namespace talus {
 
-/// What is known of a page that was checked.
+/// The result of checking a page.
 struct CheckedPage {
-  ChildEntry entry;  ///< what the page above should say of it, and the record of a tile of its page of band 1
+  ChildEntry entry;  ///< as the page above should have it; for band 1, the tile's record, too
   bool is_readable = true;
 };
-using CheckedPages = std::unordered_map<std::uint64_t, CheckedPage>;  ///< by position
+using CheckedPages = std::unordered_map<std::uint64_t, CheckedPage>;  ///< by curve position
 
-/// All pages, the finest band first. Each is held against its table of pages below it, against the heights and voids
-/// that the page above repeats, and its errors against those of the vertices that they depend on, in whatever page
-/// these are.
+/// Checks all pages, the finest band first: the entries of pages below, the heights and voids that the page above
+/// repeats, and each error against those of the vertices that depend on it, in whatever page.
 ///
-/// told    after each page
-/// returns pages of band 1
-/// cost    memory: 100 bytes a page of the finest band
+/// told     called after each page
+/// returns  the pages of band 1
+/// cost     memory: 100 bytes a page of the finest band
 [[nodiscard]] CheckedPages check_pages(const StoredPages& pages, DecodedPages& decoded, Findings& findings,
                                        VerifyReport& report, const std::function<void()>& told);
 

@@ -144,7 +144,7 @@ TEST_F(Inputs, WhereTheyOverlapTheLaterWinsAndTheDifferenceIsSaid) {
   const auto report = ingest({"first.tif", "later.tif", "a.talus"});
   EXPECT_EQ(report.at("cols"), 90);
   EXPECT_EQ(report.at("void_samples"), 30 * 30);  // east of the one, above and below the other
-  EXPECT_THAT(notes_of(report), HasSubstr("800 of 800 samples differ, most by 7 m"));
+  EXPECT_THAT(notes_of(report), HasSubstr("800 of 800 samples differ. The largest difference is 7 m"));
   EXPECT_THAT(notes_of(report), HasSubstr("later.tif covers first.tif"));
   const Terrain found = stored("a.talus");
   EXPECT_EQ(found.at(39, 20), raster.at(39, 20));

@@ -290,7 +290,7 @@ TEST_F(MosaicTest, TilesThatDoNotFitSayWhatWould) {
   const Failure shifted = failure_with({a, constant("b.tif", 3, 3, 1, other)});
   EXPECT_EQ(shifted.cause(), Cause::unsupported);
   EXPECT_THAT(shifted.what(),
-              AllOf(HasSubstr("b.tif"), HasSubstr("not one grid"), HasSubstr("InputOptions::target_dx")));
+              AllOf(HasSubstr("b.tif"), HasSubstr("on one grid"), HasSubstr("InputOptions::target_dx")));
   other = at(3, 0);
   other.geotransform[1] = 10.01;
   EXPECT_THAT(failure_with({a, constant("b.tif", 3, 3, 1, other)}).what(), HasSubstr("10.01"));
@@ -333,7 +333,7 @@ TEST_F(MosaicTest, TilesFarApartAreRefusedBeforeAnythingIsAllocated) {
   EXPECT_EQ(failure.cause(), Cause::invalid_argument);
   EXPECT_THAT(failure.what(), HasSubstr("at most"));
   far.geotransform[0] = 500000 + 2e9, far.geotransform[3] -= 2e9;
-  EXPECT_THAT(failure_with({folder_ / "a.tif", constant("b.tif", 3, 3, 1, far)}).what(), HasSubstr("1 more span"));
+  EXPECT_THAT(failure_with({folder_ / "a.tif", constant("b.tif", 3, 3, 1, far)}).what(), HasSubstr("1 more have"));
 }
 
 TEST_F(MosaicTest, AHugeVirtualRasterIsRefused) {

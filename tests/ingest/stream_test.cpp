@@ -130,7 +130,7 @@ TEST(Stream, MayBeEndedAtEveryStageAndGoneOnWith) {
   static_cast<void>(ingest(folder / "a.tif", folder / "whole.talus"));
   const auto whole = pages_of(folder / "whole.talus");
   struct Ended {};
-  for (const std::string stage : {"levels above tiles", "looking at the inputs again", "sealing", "done"}) {
+  for (const std::string stage : {"levels above tiles", "checking that the inputs are unchanged", "sealing", "done"}) {
     SCOPED_TRACE(stage);
     IngestOptions options;
     options.progress = [&](const IngestProgress& now) {

@@ -221,7 +221,7 @@ TEST_F(ForgedDatabase, ARecordThatSaysSomethingElseIsFound) {
   expect_found(without, "record of tile 0/0: missing", GridPoint{0, 0});
   Forgery beyond(*folder / "a.talus");
   beyond.put(7, 7, beyond.record(0, 0));
-  expect_found(beyond, "record of a tile");
+  expect_found(beyond, "its tile has a record");
 }
 
 TEST_F(ForgedDatabase, APageOfAnOlderGenerationIsFound) {

@@ -119,7 +119,7 @@ TEST_F(Outsiders, ARemedyWorksOrAnotherIsNamed) {
   write("other.tif", {band}, {.type = GDT_Int16, .nodata = 32767});
   const Outcome doubted = ingest({"other.tif", "d.talus"});
   EXPECT_THAT(doubted.err, HasSubstr("gdal_translate -a_nodata -9999"));
-  EXPECT_THAT(ingest({"other.tif", "d.talus", "--nodata", "-9999"}).err, HasSubstr("makes nothing void"));
+  EXPECT_THAT(ingest({"other.tif", "d.talus", "--nodata", "-9999"}).err, HasSubstr("makes no sample void"));
 }
 
 TEST_F(Outsiders, AnUpdateThatIsResampledSaysThatItsJointsAreItsOwn) {
