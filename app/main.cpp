@@ -8,11 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "app/commands/commands.hpp"
-#include "app/options/arguments.hpp"
 #include "app/terminal/fields.hpp"
+#include "app/terminal/help.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "app/terminal/report.hpp"
 #include "app/terminal/say.hpp"
@@ -22,44 +20,30 @@
 namespace talus::app {
 namespace {
 
-Exit exit_for(Cause cause) {
-  switch (cause) {
-    case Cause::invalid_argument: return Exit::usage;
-    case Cause::corrupt: return Exit::corrupt;
-    case Cause::full: return Exit::full;
-    case Cause::not_found:
-    case Cause::unsupported:
-    case Cause::io:
-    case Cause::cancelled:
-    case Cause::too_large:
-    case Cause::out_of_memory: return Exit::failed;
-  }
-  return Exit::failed;
-}
-
-/// What went wrong.
+/// Something that went wrong.
 struct Complaint {
   std::string cause, sentence;
   Exit code = Exit::failed;
-  std::string file = {};  ///< at fault; empty: none
+  std::string file = {};  ///< the file at fault; empty: none
 };
 
-std::string word_for(Cause cause) {
+/// The word in JSON, and the exit code.
+std::pair<const char*, Exit> word_and_code(Cause cause) {
   switch (cause) {
-    case Cause::invalid_argument: return "invalid_argument";
-    case Cause::not_found: return "not_found";
-    case Cause::corrupt: return "corrupt";
-    case Cause::unsupported: return "unsupported";
-    case Cause::full: return "full";
-    case Cause::io: return "io";
-    case Cause::cancelled: return "cancelled";
-    case Cause::too_large: return "too_large";
-    case Cause::out_of_memory: return "out_of_memory";
+    case Cause::invalid_argument: return {"invalid_argument", Exit::usage};
+    case Cause::not_found: return {"not_found", Exit::failed};
+    case Cause::corrupt: return {"corrupt", Exit::corrupt};
+    case Cause::unsupported: return {"unsupported", Exit::failed};
+    case Cause::full: return {"full", Exit::full};
+    case Cause::io: return {"io", Exit::failed};
+    case Cause::cancelled: return {"cancelled", Exit::failed};
+    case Cause::too_large: return {"too_large", Exit::failed};
+    case Cause::out_of_memory: return {"out_of_memory", Exit::failed};
   }
-  return "unknown";
+  return {"unknown", Exit::failed};
 }
 
-/// A sentence on standard error; where programs listen, one JSON object on a line of standard output, too.
+/// Prints the sentence on standard error; with --json, also a line of JSON on standard output.
 Exit complain(const Complaint& complaint, bool json) {
   say(complaint.sentence);
   if (!json) return complaint.code;
@@ -69,45 +53,58 @@ Exit complain(const Complaint& complaint, bool json) {
                      {"message", with_options(complaint.sentence)}};
   try {
     print(Json{{"failure", failure}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
-  } catch (const Failure&) {  // the sentence has been said, and the exit code stays what it was about
+  } catch (const Failure&) {  // the sentence has been said, and the exit code is that of the first failure
   }
   return complaint.code;
 }
 
-Complaint misused(std::string sentence) {
-  return {word_for(Cause::invalid_argument), std::move(sentence), Exit::usage};
+/// What is wrong with a command line that CLI11 refuses.
+std::string misuse(const CLI::App& program, const std::string& first, const CLI::ParseError& error) {
+  const auto chosen = program.get_subcommands();
+  std::vector<std::string> names;
+  if (chosen.empty() && !first.empty() && first[0] != '-') {
+    for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
+    const std::string meant = did_you_mean(first, names);
+    return fmt::format("there is no subcommand {}{}", first, meant.empty() ? "; choose " + listed(names, "or") : meant);
+  }
+  const CLI::App& command = chosen.empty() ? program : *chosen.front();
+  const std::string help = chosen.empty() ? "talus --help" : "talus help " + command.get_name();
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const std::string& word : command.remaining()) {
+    if (!word.starts_with('-') || word.size() < 2) continue;
+    const std::string name = word.substr(0, word.find('='));
+    const std::string meant = did_you_mean(name, names);
+    return fmt::format("there is no option {}{}", name, meant.empty() ? "; " + help + " lists them" : meant);
+  }
+  if (chosen.empty()) return "a subcommand is missing; " + help + " lists them";
+  const std::vector<std::string> extra = command.remaining();
+  return fmt::format("{}; {} says more", extra.empty() ? error.what() : "unexpected word " + extra.front(), help);
 }
 
-Exit run(std::vector<std::string> arguments, bool json) {
+Exit run(std::vector<std::string> arguments) {
   CLI::App program{
-      "Terrain with a true error bound: takes in an elevation raster, answers any rectangle at any\n"
-      "tolerance with a crack-free mesh no covered sample of which is farther away than asked.\n",
+      "Talus answers questions about terrain. Ask for a rectangle and a tolerance in metres: the mesh has no cracks, "
+      "and every sample lies within the tolerance.",
       "talus"};
-  program.set_version_flag("--version", "talus " TALUS_VERSION, "Print the version and exit");
-  program.set_help_flag("-h,--help", "Print this help and exit; talus SUBCOMMAND --help says more");
+  program.formatter(std::make_shared<Help>());
+  program.set_version_flag("--version", "talus " TALUS_VERSION, "Print the version");
+  program.set_help_flag("-h,--help", "Print this help");
   program.require_subcommand(1);
-  program.footer(
-      "\nExample:\n"
-      "  talus ingest alps.tif alps.talus\n"
-      "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply\n"
-      "\nExit codes: 0 done, 1 failed (not found, I/O, unsupported), 2 usage or invalid argument, 3 damaged or\n"
-      "not a database, 4 disk full, 5 differs from its source or lies beyond its bound, 130 interrupted.");
+  program.footer("talus help SUBCOMMAND explains a subcommand, talus help TOPIC a topic.\n\n" + topics() +
+                 "\n\nExamples:\n"
+                 "  talus ingest alps.tif alps.talus\n"
+                 "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply");
   Action action;
-  add_ingest(program, action);
-  add_compact(program, action);
-  add_info(program, action);
-  add_query(program, action);
-  add_height(program, action);
-  add_profile(program, action);
-  add_merge(program, action);
-  add_convert(program, action);
-  add_accuracy(program, action);
-  add_verify(program, action);
+  for (const auto add : {add_ingest, add_query, add_height, add_profile, add_info, add_merge, add_convert, add_accuracy,
+                         add_verify, add_compact, add_help})
+    add(program, action);
 
   const std::string first = arguments.empty() ? "" : arguments.front();
   try {
     arguments = join_numbers(std::move(arguments));
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+    std::reverse(arguments.begin(), arguments.end());  // CLI11 reads them from the back
     program.parse(arguments);
   } catch (const CLI::Success& wanted) {  // help and version
     std::ostringstream text;
@@ -115,14 +112,7 @@ Exit run(std::vector<std::string> arguments, bool json) {
     print(text.str());
     return Exit::done;
   } catch (const CLI::ParseError& error) {
-    if (program.get_subcommands().empty() && !first.empty() && first[0] != '-') {
-      return complain(misused(fmt::format(
-                          "there is no subcommand {}; there are ingest, compact, info, query, height, profile, merge, "
-                          "convert, accuracy and verify",
-                          first)),
-                      json);
-    }
-    return complain(misused(fmt::format("{} (talus --help says more)", error.what())), json);
+    throw Failure(Cause::invalid_argument, misuse(program, first, error));
   }
   return action();
 }
@@ -131,16 +121,16 @@ Exit guarded(int argc, char** argv) {
   const std::vector<std::string> arguments{argv + std::min(argc, 1), argv + argc};
   const bool json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
   try {
-    return run(arguments, json);
+    return run(arguments);
   } catch (const Failure& failure) {
-    return complain({word_for(failure.cause()), failure.what(), exit_for(failure.cause()), failure.file().string()},
-                    json);
+    const auto [cause, code] = word_and_code(failure.cause());
+    return complain({cause, failure.what(), code, failure.file().string()}, json);
   } catch (const Interrupted& interrupt) {
     return complain({"interrupted", interrupt.sentence, Exit::interrupted}, json);
   } catch (const std::bad_alloc&) {
     return complain({"out_of_memory", "out of memory", Exit::failed}, json);
   } catch (const std::exception& error) {
-    return complain({"unexpected", fmt::format("unexpected, please report: {}", error.what()), Exit::failed}, json);
+    return complain({"unexpected", fmt::format("unexpected: {}; please report it", error.what()), Exit::failed}, json);
   }
 }
 

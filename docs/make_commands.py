@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Writes docs/commands.md from what the program says of itself.
+"""Writes docs/commands.md from the program's help.
 
-make_commands.py PROGRAM            writes the help of the program and of each subcommand below the marker in commands.md
+make_commands.py PROGRAM            writes the help of the program, its subcommands and its topics below the marker in
+                                    commands.md
 make_commands.py --check PROGRAM    writes nothing; fails if commands.md is not what the program says now
 
 The text above the marker is written by hand and is kept as it is.
@@ -16,24 +17,22 @@ PAGE = Path(__file__).resolve().parent / "commands.md"
 MARKER = "<!-- The rest is written by docs/make_commands.py. Change the program's help, then run ./dev docs. -->"
 
 
-def help_of(program, *subcommand):
-    """The lines that `program subcommand --help` prints."""
-    # A terminal's width and language must not change the page.
-    environment = {**os.environ, "LC_ALL": "C.UTF-8"}
-    environment.pop("COLUMNS", None)
-    done = subprocess.run([program, *subcommand, "--help"], env=environment, capture_output=True, encoding="utf-8")
+def help_of(program, *word):
+    """The lines that `program help WORD` prints."""
+    # The width and the language of a terminal must not change the page.
+    environment = {**os.environ, "LC_ALL": "C.UTF-8", "COLUMNS": "100"}
+    done = subprocess.run([program, "help", *word], env=environment, capture_output=True, encoding="utf-8")
     if done.returncode != 0 or not done.stdout.strip():
-        sys.exit(f"{program} {' '.join(subcommand)} --help failed with exit code {done.returncode}: {done.stderr.strip()}")
-    return [line.rstrip() for line in done.stdout.strip("\n").splitlines()]
+        sys.exit(f"{program} help {' '.join(word)} failed with exit code {done.returncode}: {done.stderr.strip()}")
+    return done.stdout.strip("\n").splitlines()
 
 
-def subcommands(lines):
-    """The names that the program lists below `Subcommands:`."""
-    begin = next((i for i, line in enumerate(lines) if re.match(r"subcommands:$", line.strip(), re.IGNORECASE)), None)
-    if begin is None:
-        sys.exit("the program's help has no line `Subcommands:`")
+def names_below(heading, lines):
+    """The names that the program lists below a heading."""
+    if heading not in lines:
+        sys.exit(f"the program's help has no line `{heading}`")
     names = []
-    for line in lines[begin + 1:]:
+    for line in lines[lines.index(heading) + 1:]:
         name = re.match(r"  ([a-z][a-z0-9-]*)(\s|$)", line)
         if name:
             names.append(name[1])
@@ -43,12 +42,13 @@ def subcommands(lines):
 
 
 def page(program, by_hand):
-    """The whole page: what is written by hand, then one section for the program and one for each subcommand."""
+    """The whole page: what is written by hand, then a section for the program, each subcommand and each topic."""
     top = help_of(program)
-    names = subcommands(top)
     text = [by_hand.rstrip("\n"), "", MARKER, "", "## talus", "", "```", *top, "```"]
-    for name in names:
+    for name in names_below("Subcommands:", top):
         text += ["", f"## talus {name}", "", "```", *help_of(program, name), "```"]
+    for name in names_below("Topics:", top):
+        text += ["", f"## talus help {name}", "", "```", *help_of(program, name), "```"]
     return "\n".join(text) + "\n"
 
 

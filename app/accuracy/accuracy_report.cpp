@@ -14,12 +14,12 @@
 namespace talus::app {
 namespace {
 
-constexpr double kHardlySlower = 1.5;  // than the advised answer: time is then no reason to ask for less
+constexpr double kHardlySlower = 1.5;  // than the recommended answer: time then does not decide
 
 std::string metres3(Metres m) { return fmt::format("{:.3g} m", m.value); }
 std::string exactly(Metres m) { return fmt::format("{} m", m.value); }
 
-/// A budget as it was asked for, in milliseconds below a second.
+/// A time on the command line; below a second in milliseconds.
 std::string budget_text(double seconds) {
   return seconds < 0.9999 ? fmt::format("{:g} ms", seconds * 1000) : fmt::format("{:g} s", seconds);
 }
@@ -28,8 +28,8 @@ const AccuracyPoint* advised(const AccuracyReport& report) {
   return report.advice.point ? &report.points[*report.advice.point] : nullptr;
 }
 
-/// A measured point to compare the advised one with: half its tolerance or finer and slower, else twice or coarser and
-/// faster, by more than answers waver.
+/// A point to compare the recommended one with: half its tolerance or less, and slower; else twice its tolerance or
+/// more, and faster. The times must differ by more than they vary.
 const AccuracyPoint* compared(const AccuracyReport& report) {
   const AccuracyPoint* const point = advised(report);
   if (point == nullptr) return nullptr;
@@ -48,17 +48,10 @@ std::string what_it_is(const AccuracyReport& report, const AccuracyPoint& p) {
                   counted(p.vertices), report.is_whole ? "" : fmt::format(" (at most {})", counted(p.most_vertices)),
                   sized(p.bytes));
   if (p.errors) {
-    text += fmt::format("; samples are at most {} off, 95 % within {}, root mean square {}", metres3(p.errors->largest),
-                        metres3(p.errors->percentile_95), metres3(p.errors->rms));
+    text += fmt::format("; largest error {}, 95 % of the samples within {}, root mean square {}",
+                        metres3(p.errors->largest), metres3(p.errors->percentile_95), metres3(p.errors->rms));
   }
   return exactly(p.tolerance) + ": " + text;
-}
-
-std::string quoted(const std::string& word) {
-  if (word.find_first_of(" '\"\\$&;()<>|*?!`") == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
 }
 
 std::string bbox_of(const Description& d, GridRect w) {
@@ -66,7 +59,7 @@ std::string bbox_of(const Description& d, GridRect w) {
                      d.mapping.y(w.first.row));
 }
 
-/// The advised answer, asked for.
+/// The recommended query as a command.
 std::string command(const AccuracyReport& report, const AccuracyNames& names) {
   std::string text;
   for (const std::string& word : advised_query(report, names)) text += " " + quoted(word);
@@ -75,7 +68,7 @@ std::string command(const AccuracyReport& report, const AccuracyNames& names) {
 
 std::string followed_text(const AccuracyNames& names) {
   if (!names.followed_seconds) return "";
-  return fmt::format("which took {} just now: a program that has just started pays for fresh memory, too",
+  return fmt::format("this command took {} just now; a new process also pays for fresh memory",
                      timed(*names.followed_seconds));
 }
 
@@ -84,41 +77,39 @@ std::string question_text(const AccuracyReport& report) {
   if (report.is_whole) return "a rectangle, " + bounds_text(report.description, w);
   const std::string places =
       report.places_with_terrain > 0
-          ? fmt::format("the {} of {} places where {} needs more than a vertex in 128 samples",
+          ? fmt::format("the {} of {} places where {} needs more than one vertex for 128 samples",
                         counted(report.places_with_terrain), counted(report.places), exactly(report.terrain))
           : fmt::format("{} places, all of them flat", counted(report.places));
-  return fmt::format(
-      "{} {} of {} x {} samples, each asked about by itself, spread over {}; counts and times are medians",
-      report.windows.size(), report.windows.size() == 1 ? "window" : "windows", w.cols(), w.rows(), places);
+  return fmt::format("{} {} of {} x {} samples, spread over {}; counts and times are medians", report.windows.size(),
+                     report.windows.size() == 1 ? "window" : "windows", w.cols(), w.rows(), places);
 }
 
 std::string truth_text(const AccuracyReport& report, const AccuracyNames& names) {
   if (!report.has_truth) return "none";
   std::string text = names.truth.empty() ? "the database's own samples" : names.truth;
   if (const auto& errors = report.points.front().errors)
-    text += fmt::format(", {} of them under the coarsest surface{}", counted(errors->samples),
-                        report.windows.size() > 1 ? ", all windows together" : "");
+    text += fmt::format(", {} of them under the coarsest mesh{}", counted(errors->samples),
+                        report.windows.size() > 1 ? " in all windows" : "");
   return text;
 }
 
 std::string cold_text(const AccuracyReport& report) {
-  std::string text = "the same, the file opened anew after the system was asked to drop it from memory";
+  std::string text = "the same, after the system was asked to drop the file from memory";
   if (!report.share_in_memory) {
-    text += "; whether it did cannot be told";
+    text += "; it does not say whether it did";
   } else if (*report.share_in_memory > 0.01) {
-    text += fmt::format("; it kept {:.0f} % of it, so a cold disk takes longer than these times say",
-                        100 * *report.share_in_memory);
+    text += fmt::format("; it kept {:.0f} %, so a cold disk takes longer", 100 * *report.share_in_memory);
   } else {
-    text += ", which it did; what the disk keeps by itself stays";
+    text += "; it did, but the disk may have a cache of its own";
   }
-  return text + fmt::format(". Opening, {}, comes on top. {}", timed(report.open_seconds),
-                            report.windows.size() == 1 ? "Median of three" : "Once a window and tolerance");
+  return text +
+         fmt::format(". Opening takes {} more. {}", timed(report.open_seconds),
+                     report.windows.size() == 1 ? "Median of three" : "Measured once for each window and tolerance");
 }
 
 constexpr const char* kWarm =
-    "from question to mesh, the file in memory and nothing of it decoded, in a program that has answered before; "
-    "median of five to 101, and between what times the middle half of them lay. "
-    "A program that has just started, as talus query, takes longer: all its memory is fresh";
+    "from question to mesh, with the file in memory but not decoded, in a process that has answered before; the median "
+    "of five to 101 answers, and the range of the middle half. A new process such as talus query takes longer";
 
 }  // namespace
 
@@ -127,28 +118,27 @@ std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNam
   const Description& d = report.description;
   if (!report.has_truth) {
     sentences.push_back(
-        fmt::format("The database keeps the vertices of answers at {} m and more only, not all samples: without "
-                    "--against DEM true errors are not known, and left out.",
+        fmt::format("the database keeps only the vertices for {} m and coarser, so that errors are not known without "
+                    "--against DEM",
                     d.finest_tolerance));
   }
   if (d.error_metric == ErrorMetric::perpendicular)
     sentences.push_back(
-        "The database's tolerances are kept at right angles to triangles; true errors here are along the vertical.");
+        "the database measures tolerances at right angles to the triangles; the errors here are along the vertical");
   if (d.lossy_metres > 0 && report.has_truth) {
-    sentences.push_back(
-        fmt::format("Ingest rounded heights by up to {} m, which bounds count in{}.", d.lossy_metres,
-                    names.truth.empty()
-                        ? "; errors here are against the rounded ones: --against DEM measures them against the source"
-                        : ""));
+    sentences.push_back(fmt::format("ingest rounded heights by up to {} m, and bounds include it{}", d.lossy_metres,
+                                    names.truth.empty()
+                                        ? "; the errors here are against the rounded heights, --against DEM measures "
+                                          "them against the source"
+                                        : ""));
   }
   const auto is_upside_down = [](const AccuracyPoint& p) { return p.cold_seconds < p.warm_seconds; };
   if (std::any_of(report.points.begin(), report.points.end(), is_upside_down)) {
     sentences.push_back(
-        "Some cold answers were faster than warm ones: reading takes less than times waver, for the file is "
-        "small, the disk fast, or the machine busy.");
+        "some cold answers were faster than warm ones: the file is small, the disk is fast, or the machine is busy");
   }
   if (report.points.back().vertices == report.points.front().vertices && report.points.size() > 1)
-    sentences.push_back("Every tolerance that was asked for has the same answer.");
+    sentences.push_back("all tolerances have the same answer");
   return sentences;
 }
 
@@ -195,39 +185,36 @@ std::optional<Chart::Note> note_of(const AccuracyReport& report, double (*cost)(
   return Chart::Note{cost(*p), p->tolerance.value, exactly(p->tolerance) + ", " + label(cost(*p))};
 }
 
+Chart cost_chart(const AccuracyReport& report, const char* title, Axis x, double (*cost)(const AccuracyPoint&),
+                 std::string (*label)(double)) {
+  return {title, std::move(x), {"metres", metres_label}, curves_over(report, cost), note_of(report, cost, label)};
+}
+
 Chart time_chart(const AccuracyReport& report) {
-  const auto cost = [](const AccuracyPoint& p) { return p.warm_seconds; };
-  Chart chart{"Error against time",
-              {"time of an answer, warm", seconds_label},
-              {"metres", metres_label},
-              curves_over(report, cost),
-              {}};
+  Chart chart = cost_chart(
+      report, "Error against time", {"time of an answer, warm", seconds_label},
+      [](const AccuracyPoint& p) { return p.warm_seconds; }, [](double v) { return timed(v); });
   Curve cold{"tolerance, cold", "#8c8c8c", '-', true, {}};
   for (const AccuracyPoint& p : report.points) cold.points.emplace_back(p.cold_seconds, p.tolerance.value);
   chart.curves.push_back(std::move(cold));
-  chart.note = note_of(report, cost, [](double v) { return timed(v); });
   return chart;
 }
 
 Chart bytes_chart(const AccuracyReport& report) {
-  const auto cost = [](const AccuracyPoint& p) { return static_cast<double>(p.bytes); };
-  return {"Error against bytes",
-          {"size of an answer as a stream", bytes_label},
-          {"metres", metres_label},
-          curves_over(report, cost),
-          note_of(report, cost, [](double v) { return sized(static_cast<std::uint64_t>(v)); })};
+  return cost_chart(
+      report, "Error against bytes", {"size of an answer as a stream", bytes_label},
+      [](const AccuracyPoint& p) { return static_cast<double>(p.bytes); },
+      [](double v) { return sized(static_cast<std::uint64_t>(v)); });
 }
 
 Chart vertices_chart(const AccuracyReport& report) {
-  const auto cost = [](const AccuracyPoint& p) { return static_cast<double>(p.vertices); };
-  return {"Error against vertices",
-          {"vertices of an answer", count_label},
-          {"metres", metres_label},
-          curves_over(report, cost),
-          note_of(report, cost, [](double v) { return counted(static_cast<std::uint64_t>(v)) + " vertices"; })};
+  return cost_chart(
+      report, "Error against vertices", {"vertices of an answer", count_label},
+      [](const AccuracyPoint& p) { return static_cast<double>(p.vertices); },
+      [](double v) { return counted(static_cast<std::uint64_t>(v)) + " vertices"; });
 }
 
-/// Words in lines that are not wider than so many pixels.
+/// Lines of words, at most so many pixels wide.
 std::vector<std::string> wrapped(const std::string& text, double size, double width) {
   std::vector<std::string> lines{""};
   for (std::size_t from = 0; from < text.size();) {
@@ -256,7 +243,7 @@ std::string paragraph(const std::string& text, double x, double& y, double size,
 
 bool is_beyond_bound(const AccuracyReport& report, const AccuracyPoint& point) {
   if (!point.errors || report.description.error_metric != ErrorMetric::vertical) return false;
-  // the surface is double arithmetic on heights
+  // doubles are rounded
   return point.errors->largest.value > point.bound.value * (1 + 1e-12) + 1e-9;
 }
 
@@ -265,23 +252,19 @@ std::string recommendation(const AccuracyReport& report) {
   const AccuracyPoint *const point = advised(report), *const other = compared(report);
   if (point == nullptr) {
     const AccuracyPoint& coarsest = report.points.front();
-    return fmt::format("{} buy nothing: {}, the coarsest that was asked for, takes {}.",
+    return fmt::format("{} is too short: {}, the coarsest tolerance here, takes {}.",
                        budget_text(advice.budget_seconds), exactly(coarsest.tolerance), timed(coarsest.warm_seconds));
   }
   const bool is_ample = advice.is_finest && advice.budget_seconds > 1.1 * point->warm_seconds;
   std::string text =
-      is_ample ? fmt::format("{} are more than is needed: the finest that was asked for, {}, takes {}",
+      is_ample ? fmt::format("{} is more than enough: {}, the finest tolerance here, takes {}",
                              budget_text(advice.budget_seconds), exactly(point->tolerance), timed(point->warm_seconds))
                : fmt::format("For {} you can have {}", budget_text(advice.budget_seconds), exactly(point->tolerance));
-  if (other != nullptr) {
-    const std::string tolerance = exactly(other->tolerance), time = timed(other->warm_seconds);
-    text += other->tolerance < point->tolerance ? fmt::format("; for {} you pay {}", tolerance, time)
-                                                : fmt::format("; {} take {}", tolerance, time);
-  }
+  if (other != nullptr) text += fmt::format("; {} takes {}", exactly(other->tolerance), timed(other->warm_seconds));
   text += ".";
   const AccuracyPoint& finest = report.points.back();
   if (&finest != point && finest.warm_seconds < kHardlySlower * point->warm_seconds) {
-    text += fmt::format(" Even {}, the finest here, takes {}: let vertices and bytes decide, not time.",
+    text += fmt::format(" Even {}, the finest here, takes only {}: choose by vertices and bytes, not by time.",
                         exactly(finest.tolerance), timed(finest.warm_seconds));
   }
   return text;
@@ -370,7 +353,7 @@ std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& name
   y += 2;
   body += paragraph("Measured: " + question_text(report) + ".", kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
   for (const std::string& sentence : caveats(report, names))
-    body += paragraph(sentence, kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
+    body += paragraph("Note: " + sentence + ".", kMargin, y, 11, kWidth - 2 * kMargin, "fill=\"#555\"");
   y += 10;
   const double right = 2 * kMargin + kColumn, below = y + kChartHeight + 16;
   body += drawn(time_chart(report), {kMargin, y, kColumn, kChartHeight}) +
@@ -412,15 +395,14 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
     terms += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, xml(text));
   };
   add("Question", question_text(report) + ".");
-  add("Errors",
-      report.has_truth
-          ? "Distance of a sample from the surface over or under it, against " + truth_text(report, names) +
-                ". Largest; the least that 95 % lie within, at most one part in 256 too large; root mean square."
-          : std::string("Not known."));
+  add("Errors", report.has_truth
+                    ? "Distance of a sample from the surface along the vertical, against " + truth_text(report, names) +
+                          ". Largest; the distance that 95 % keep, at most 1/256 too large; root mean square."
+                    : std::string("Not known."));
   add("Warm", std::string(kWarm) + ".");
   add("Cold", cold_text(report) + ".");
-  add("Threads", fmt::format("{}, which answers of a million samples and more use.", report.threads));
-  for (const std::string& sentence : caveats(report, names)) add("Note", sentence);
+  add("Threads", fmt::format("{}, for answers of a million samples or more.", report.threads));
+  for (const std::string& sentence : caveats(report, names)) add("Note", sentence + ".");
   terms += "</dl>\n";
   std::string maps;
   if (!report.maps.empty()) {
@@ -455,8 +437,8 @@ dd {{ margin: 0 0 .4em 0; }}
 <h1>What accuracy costs: {0}</h1>
 {1}<div class="charts">
 {2}</div>
-{3}<h2>All that was measured</h2>
-{4}<h2>How it was measured</h2>
+{3}<h2>Measurements</h2>
+{4}<h2>How they were made</h2>
 {5}</body>
 </html>
 )",

@@ -1,5 +1,5 @@
 #pragma once
-// What a measurement of accuracy says: in words, as a table, as JSON, as pictures.
+// A report on accuracy: words, table, JSON and pictures.
 
 #include <optional>
 #include <string>
@@ -10,30 +10,30 @@
 
 namespace talus::app {
 
-/// What was asked on the command line, as far as reports name it.
+/// Names for the report.
 struct AccuracyNames {
   std::string database;
-  std::string truth;  ///< of the raster; empty: the database's own samples
-  /// What the advised query took when it was asked from a standing start; nothing: not tried.
+  std::string truth;  ///< name of the raster; empty: the database's own samples
+  /// Time of the recommended query in a new process; empty: not tried.
   std::optional<double> followed_seconds = {};
 };
 
-/// Whether a sample lies beyond what an answer promises: the errors that the database holds are wrong, or the raster is
-/// another.
+/// Whether a sample lies beyond the bound of an answer. Then the errors in the database are wrong, or the raster is
+/// another one.
 [[nodiscard]] bool is_beyond_bound(const AccuracyReport& report, const AccuracyPoint& point);
 
-/// "For 10 ms you can have 3.2 m; for 1 m you pay 41 ms."
+/// "For 10 ms you can have 3.2 m; 1 m takes 41 ms."
 [[nodiscard]] std::string recommendation(const AccuracyReport& report);
-/// The advised answer as arguments of `talus`, of several windows the typical one's; none where nothing is advised.
+/// The recommended query as arguments of `talus`, for a typical window; empty if nothing is recommended.
 [[nodiscard]] std::vector<std::string> advised_query(const AccuracyReport& report, const AccuracyNames& names);
-/// What a reader must know to take the figures for what they are.
+/// What a reader must know about the figures.
 [[nodiscard]] std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNames& names);
 /// For people at a terminal; without the caveats.
 [[nodiscard]] std::string accuracy_text(const AccuracyReport& report, const AccuracyNames& names);
 [[nodiscard]] Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names);
-/// Curves and maps.
+/// A picture of curves and maps.
 [[nodiscard]] std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& names);
-/// All of it on one page that needs no other file.
+/// One page that needs no other file.
 [[nodiscard]] std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& names);
 
 }  // namespace talus::app

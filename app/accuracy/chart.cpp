@@ -23,7 +23,7 @@ bool is_drawable(const std::pair<double, double>& p) {
   return p.first > 0 && p.second > 0 && std::isfinite(p.first) && std::isfinite(p.second);
 }
 
-/// A logarithmic axis from `least` to `most`, laid along pixels.
+/// A logarithmic axis from `least` to `most`.
 struct Scale {
   double least = 1, most = 10;
   double from = 0, to = 1;  // pixels; `to` may be above
@@ -34,7 +34,7 @@ struct Scale {
   [[nodiscard]] bool holds(double value) const { return value >= least * (1 - 1e-9) && value <= most * (1 + 1e-9); }
 };
 
-/// A little more than the numbers reach, and at least one decade: else it would have no two labels.
+/// Reaches a little beyond the numbers, and over at least one decade, so that it has two labels.
 Scale scale_of(double least, double most, double from, double to) {
   double low = std::log10(least) - 0.07, high = std::log10(most) + 0.07;
   const double lacking = 1 - (high - low);
@@ -47,7 +47,7 @@ Scale scale_of(double least, double most, double from, double to) {
 
 double decade(int exponent) { return exponent >= 0 ? std::pow(10, exponent) : 1 / std::pow(10, -exponent); }
 
-/// Numbers of an axis: digits times powers of ten, every `nth` decade.
+/// Labels of an axis: digits times powers of ten, at every `nth` decade.
 std::vector<double> numbers(const Scale& scale, const std::vector<int>& digits, int nth) {
   std::vector<double> found;
   const int first = static_cast<int>(std::floor(std::log10(scale.least))),
@@ -62,7 +62,7 @@ std::vector<double> numbers(const Scale& scale, const std::vector<int>& digits, 
   return found;
 }
 
-/// The most numbers whose labels stand clear of each other. `extent` says how much room a label takes along the axis.
+/// As many labels as fit. `extent` is the length of a label along the axis.
 template <class Extent>
 std::vector<double> labelled(const Scale& scale, Extent&& extent) {
   struct Choice {
@@ -105,7 +105,7 @@ std::string stroke(const Curve& curve) {
                      curve.is_dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
-/// Names of curves in lines from the left; how many lines, and the group.
+/// The names of the curves. Returns the number of lines, and the group.
 std::pair<int, std::string> legend(const std::vector<Curve>& curves, double x, double y, double width) {
   std::string group;
   double at = x;
@@ -144,7 +144,7 @@ std::string grid(const Scale& x, const Scale& y, const Chart& chart, const Box& 
   return group;
 }
 
-/// Above and to the right of the point, where falling curves leave room; to the left where there is no room.
+/// Above the point and to its right, where falling curves leave room; to its left where there is none.
 std::string drawn_note(const Chart::Note& note, const Scale& x, const Scale& y, const Box& plot) {
   const double px = x.at(note.x), py = y.at(note.y);
   const bool fits = px + 12 + text_width(note.text, kText) < plot.x + plot.width;
@@ -176,7 +176,7 @@ std::string drawn(const Chart& chart, Box box) {
     curves.push_back(std::move(curve));
   }
   if (curves.empty()) {
-    return group + svg_text(box.x + kLeft, box.y + 50, "nothing to draw: all errors are 0", kText) + "</g>\n";
+    return group + svg_text(box.x + kLeft, box.y + 50, "all errors are 0", kText) + "</g>\n";
   }
   const auto [lines, names] = legend(curves, box.x + kLeft, box.y + kTop - 2, box.width - kLeft - kRight);
   const double top = kTop + lines * kLegendLine + 8;
@@ -223,7 +223,7 @@ std::string xml(std::string_view text) {
     else if (byte < 0x80)
       escaped += c;
     else {
-      // UTF-8 as it is, whatever else a file name may hold as a blank.
+      // UTF-8 stays; other bytes of a file name become blanks.
       const std::size_t more = byte >= 0xf0 && byte < 0xf5   ? 3
                                : byte >= 0xe0 && byte < 0xf0 ? 2
                                : byte >= 0xc2 && byte < 0xe0 ? 1

@@ -1,5 +1,5 @@
 #pragma once
-// Curves over two logarithmic axes, as SVG.
+// Curves over two logarithmic axes, in an SVG.
 
 #include <functional>
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace talus::app {
 
-/// What is drawn where, in pixels of the picture.
+/// A place in the picture, in pixels.
 struct Box {
   double x = 0, y = 0, width = 0, height = 0;
 };
@@ -25,7 +25,7 @@ struct Curve {
   std::string colour;
   char mark = 'o';  ///< at each point: o circle, s square, t triangle, d diamond, - none
   bool is_dashed = false;
-  std::vector<std::pair<double, double>> points;  ///< those that are not above 0 and finite are left out
+  std::vector<std::pair<double, double>> points;  ///< only those that are finite and above 0 are drawn
 };
 
 struct Chart {
@@ -36,7 +36,7 @@ struct Chart {
     double x = 0, y = 0;
     std::string text;
   };
-  std::optional<Note> note;  ///< a ring around a point, and words beside it
+  std::optional<Note> note;  ///< a ring around a point, and text beside it
 };
 
 /// An SVG group. Each axis has at least two labels, and no two overlap.
@@ -45,14 +45,14 @@ struct Chart {
 /// A whole file.
 [[nodiscard]] std::string svg_document(double width, double height, const std::string& body);
 
-/// Text as XML holds it; what XML cannot hold becomes a blank.
+/// Text for XML; letters that XML does not allow become blanks.
 [[nodiscard]] std::string xml(std::string_view text);
 
 /// A line of text. `anchor` start, middle or end.
 [[nodiscard]] std::string svg_text(double x, double y, std::string_view text, double size, const char* anchor = "start",
                                    const char* more = "");
 
-/// Pixels, about: no font is at hand to ask.
+/// About so many pixels.
 [[nodiscard]] double text_width(std::string_view text, double size);
 
 // Labels of axes: 0.5 m, 20 ms, 1.5 MB, 20,000.

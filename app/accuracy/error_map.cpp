@@ -17,18 +17,18 @@ namespace talus::app {
 namespace {
 
 constexpr double kText = 11, kTitle = 13;
-constexpr double kTypicalSlope = 0.6;  // what the 90th percentile of slopes is exaggerated to
+constexpr double kTypicalSlope = 0.6;  // the 90th percentile of slopes is drawn like this
 
 struct Colour {
   double r, g, b;
 };
 constexpr Colour kVoid{205, 207, 210};
 constexpr int kSide = 3;  // classes to either side of the middle one
-/// From the surface far below the ground to far above it: orange, white, purple, which the colour-blind tell apart.
+/// Orange: the surface is far below the ground; white: at it; purple: far above. The colour-blind can read these.
 constexpr std::array<Colour, 2 * kSide + 1> kClasses{
     {{179, 88, 6}, {241, 163, 64}, {254, 224, 182}, {247, 247, 247}, {216, 218, 235}, {153, 142, 195}, {84, 39, 136}}};
 
-/// Classes end at the limit, half, a quarter and an eighth of it.
+/// Classes end at the limit and at a half, a quarter and an eighth of it.
 std::size_t class_of(double error, double limit) {
   int away = 0;
   for (double end = limit / 8; away < kSide && std::abs(error) > end; end *= 2) ++away;
@@ -42,7 +42,7 @@ double slope_percentile(std::vector<double> slopes, double share) {
   return *at;
 }
 
-/// Shades of relief, 1 on level ground, light from the north-west.
+/// Shades of relief, 1 on level ground; the light comes from the north-west.
 std::vector<double> shades(const ErrorMap& map) {
   const auto at = [&](int col, int row) {
     return map
@@ -103,7 +103,7 @@ std::string box_of(Box b, const char* style) {
                      b.height, style);
 }
 
-/// The largest box of a shape in the middle of another.
+/// The largest box with these proportions in the middle of another box.
 Box fitted(Box box, double width, double height) {
   const double scale = std::min(box.width / width, box.height / height);
   const Box in{0, 0, width * scale, height * scale};
@@ -124,7 +124,7 @@ std::string numbered(std::size_t number, Box panel) {
          svg_text(panel.x + 4, panel.y + 12, fmt::format("{}", number), kText, "start", "font-weight=\"bold\"");
 }
 
-/// A bar of a round length, at most a third of what is shown.
+/// A bar of a round length, at most a third of the width.
 std::string scale_bar(double x, double y, double metres_shown, double pixels) {
   double length = std::pow(10, std::floor(std::log10(metres_shown / 3)));
   for (const double factor : {5.0, 2.0}) {
@@ -206,14 +206,12 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
       if (report.map_tolerance.value == 0 && std::isfinite(error)) limit = std::max<double>(limit, std::abs(error));
     }
   }
-  std::string group =
-      "<g>\n" + svg_text(box.x, box.y + 15, fmt::format("Where the error sits at {:g} m", report.map_tolerance.value),
-                         kTitle, "start", "font-weight=\"bold\"");
+  std::string group = "<g>\n" + svg_text(box.x, box.y + 15, fmt::format("Error at {:g} m", report.map_tolerance.value),
+                                         kTitle, "start", "font-weight=\"bold\"");
   if (report.maps.front().step > 1) {
-    group +=
-        svg_text(box.x, box.y + 31,
-                 fmt::format("each pixel shows the sample that is farthest off of {0} × {0}", report.maps.front().step),
-                 10, "start", "fill=\"#555\"");
+    group += svg_text(box.x, box.y + 31,
+                      fmt::format("each pixel shows the largest error of {0} × {0} samples", report.maps.front().step),
+                      10, "start", "fill=\"#555\"");
   }
   constexpr double kHead = 40, kFoot = 78;
   Box room{box.x, box.y + kHead, box.width, box.height - kHead - kFoot};
@@ -227,7 +225,7 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
   const auto across = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
   const std::size_t down = (count + across - 1) / across;
   constexpr double kGap = 4;
-  // Panels of one size, that of the largest map, packed from the north-west.
+  // All panels are as large as the largest map.
   double width_m = 1e-9, height_m = 1e-9;
   for (const ErrorMap& map : report.maps) {
     width_m = std::max(width_m, map.width_m);
@@ -249,7 +247,7 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
     group += panel(map, limit, at) + (count > 1 ? numbered(i + 1, at) : "");
   }
   group += limit > 0 ? legend(limit, room.x + 14, bottom + 26, has_voids)
-                     : svg_text(room.x, bottom + 36, "no error anywhere", kText);
+                     : svg_text(room.x, bottom + 36, "the error is 0 everywhere", kText);
   if (report.maps.front().width_m > 0)
     group += scale_bar(room.x + 14, bottom + 66, report.maps.front().width_m, first.width);
   return group + "</g>\n";

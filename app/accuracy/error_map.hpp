@@ -1,5 +1,5 @@
 #pragma once
-// Where the error sits, as pictures in an SVG.
+// Maps of the error in an SVG.
 
 #include <string>
 
@@ -8,8 +8,8 @@
 
 namespace talus::app {
 
-/// The maps of a report side by side, with a legend, a scale and, if there are several, where they lie. The relief is
-/// shaded from the samples, the colour says how far the surface lies above or below them.
+/// The maps of a report side by side, with a legend and a scale; several maps also get an overview. Shades are the
+/// relief of the samples; colours say how far the surface lies above or below them.
 /// fails  as png_bytes
 [[nodiscard]] std::string drawn_maps(const AccuracyReport& report, Box box);
 

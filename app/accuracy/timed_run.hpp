@@ -1,5 +1,5 @@
 #pragma once
-// This very program, asked as its user would ask it.
+// Runs this program as a user would.
 
 #include <optional>
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace talus::app {
 
-/// Runs `talus` with arguments and --json in a process of its own, and reads how many seconds it says it took. Nothing
-/// where that could not be done: what is told from it is no more than a remark.
+/// Runs `talus` with these arguments and --json in a new process.
+/// returns  the seconds that it reports; empty where that failed
 [[nodiscard]] std::optional<double> seconds_of(std::vector<std::string> arguments);
 
 }  // namespace talus::app

@@ -1,10 +1,4 @@
-#include <memory>
-#include <string>
-
-#include <fmt/format.h>
-
 #include "app/commands/commands.hpp"
-#include "app/options/arguments.hpp"
 #include "app/terminal/report.hpp"
 #include "talus/ingest.hpp"
 
@@ -16,7 +10,7 @@ struct Request {
   bool json = false;
 };
 
-Exit run(const Request& request) {
+Exit run(Request& request) {
   const CompactReport report = compact(request.database);
   if (request.json) {
     print(Json{{"database", request.database},
@@ -25,13 +19,13 @@ Exit run(const Request& request) {
                {"seconds", report.seconds}});
     return Exit::done;
   }
-  const std::uint64_t gained = report.bytes_before - report.bytes;
+  const std::uint64_t saved = report.bytes_before - report.bytes;
   Table table;
-  table.add("database", gained > 0 ? request.database : request.database + ", as it was: there is nothing to gain");
+  table.add("database", saved > 0 ? request.database : request.database + ", unchanged: no space was unused");
   table.add("file size", sized(report.bytes));
-  if (gained > 0) {
-    const double share = 100.0 * static_cast<double>(gained) / static_cast<double>(report.bytes_before);
-    table.add("gained", fmt::format("{}, {:.1f} % of {}", sized(gained), share, sized(report.bytes_before)));
+  if (saved > 0) {
+    const double share = 100.0 * static_cast<double>(saved) / static_cast<double>(report.bytes_before);
+    table.add("saved", fmt::format("{}, {:.1f} % of {}", sized(saved), share, sized(report.bytes_before)));
   }
   table.add("time", timed(report.seconds));
   print(table);
@@ -41,16 +35,13 @@ Exit run(const Request& request) {
 }  // namespace
 
 void add_compact(CLI::App& program, Action& action) {
-  auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("compact", "Make a database's file as small as it can be");
-  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
-  command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer(
-      "\n"
-      "Updates leave room in the file that later updates use. This command writes the file without it.\n"
-      "Answers stay the same. Programs that have the database open keep the old file.\n"
-      "\nExample:\n  talus compact country.talus");
-  command->callback([request, &action] { action = [request] { return run(*request); }; });
+  const auto request = std::make_shared<Request>();
+  Command command(program, "compact", "Make a database's file smaller after updates");
+  command.database(request->database);
+  command.finish(action, request, run,
+                 "Updates leave unused space in the file. This command writes the file without it. Answers stay the "
+                 "same. A program that has the database open goes on reading the old file.\n"
+                 "\nExample:\n  talus compact country.talus");
 }
 
 }  // namespace talus::app

@@ -1,19 +1,11 @@
 #include <algorithm>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/arguments.hpp"
+#include "app/options/answer_options.hpp"
 #include "app/terminal/fields.hpp"
 #include "app/terminal/report.hpp"
 #include "talus/database.hpp"
-#include "talus/stream.hpp"
 
 namespace talus::app {
 namespace {
@@ -24,17 +16,17 @@ struct Request {
 };
 
 std::string crs_name(const Description& d) {
-  if (d.crs_wkt.empty()) return "none, cells count as metres";
+  if (d.crs_wkt.empty()) return "none: a cell counts as one metre";
   return d.crs.name.empty() ? "unnamed" : d.crs.name;
 }
 
 std::string step_text(const HeightStep& step, const std::string& unit) {
-  if (!step.integer) return "none, floats as they came";
+  if (!step.integer) return "none: heights are floats, as in the source";
   const std::string size = fmt::format("{} {}", step.scale / step.divisor, unit);
   return step.offset == 0 ? size : fmt::format("{} above {} {}", size, step.offset, unit);
 }
 
-/// Vertices above tolerances. Earlier versions kept the list of each generation, the latest at the end.
+/// Vertices above tolerances. Earlier versions kept a list for each update; the latest is at the end.
 std::vector<std::pair<double, std::uint64_t>> latest_counts(const Provenance& p) {
   std::size_t first = 0;
   for (std::size_t i = 1; i < p.vertices_above.size(); ++i) {
@@ -92,7 +84,7 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"vertices_above", above}};
 }
 
-/// What is worth a line: rungs that select not all and not nothing.
+/// The entries that help a reader: neither nearly all vertices nor nearly none.
 std::string above_text(const Provenance& p) {
   std::string text;
   for (const auto& [tolerance, vertices] : latest_counts(p)) {
@@ -110,9 +102,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("source", fmt::format("{}, {}", d.source_name, d.source_type));
   table.add("samples", fmt::format("{} x {}, {} of {} void", d.extent.cols(), d.extent.rows(), counted(d.void_samples),
                                    counted(samples)));
-  table.add("region", fmt::format("x {} to {}, y {} to {} (pixel centres)", d.mapping.x(d.extent.first.col),
-                                  d.mapping.x(d.extent.last.col), d.mapping.y(d.extent.last.row),
-                                  d.mapping.y(d.extent.first.row)));
+  table.add("region", bounds_text(d, d.extent));
   table.add("cell", fmt::format("{} x {}", d.mapping.dx, -d.mapping.dy));
   table.add("crs", crs_name(d));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
@@ -120,10 +110,9 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("errors", name_of(d.error_metric));
   table.add("void weight", fmt::format("{}", d.void_weight));
   if (d.lossy_metres > 0)
-    table.add("rounded", fmt::format("heights may be {} m off; every bound says so", d.lossy_metres));
+    table.add("rounded", fmt::format("heights by up to {} m; every bound includes it", d.lossy_metres));
   if (d.finest_tolerance > 0)
-    table.add("kept",
-              fmt::format("vertices of answers at {} m and more; samples are not restored", d.finest_tolerance));
+    table.add("kept", fmt::format("only the vertices for {} m and coarser", d.finest_tolerance));
   if (const std::string above = above_text(p); !above.empty()) table.add("vertices above", above);
   table.add("made by", p.generation == 0 ? with_options(p.made_by)
                                          : fmt::format("{}, updated {} times", with_options(p.made_by), p.generation));
@@ -142,11 +131,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   return table;
 }
 
-std::string border_text(Border border) {
-  return border == Border::constrain ? "constrain" : border == Border::cover ? "cover" : "clip";
-}
-
-/// What a stream says of itself; the vertices stay where they are.
+/// Reads no vertices.
 Exit run_stream(const Request& request) {
   require_stream(request.database);
   const StreamInfo s = read_stream_info(request.database);
@@ -158,34 +143,31 @@ Exit run_stream(const Request& request) {
     Json object{{"stream", request.database},
                 {"increment", s.is_increment},
                 {"region", bounds(d, s.region)},
-                {"border", border_text(s.origin.border)},
-                {"tolerance", s.tolerance.value},
-                {"bound", s.bound.value},
-                {"error_metric", name_of(d.error_metric)},
-                {"quantum", s.origin.quantum.value},
-                {"vertices", s.vertices},
-                {"bytes", s.bytes},
-                {"header_bytes", s.header_bytes},
-                {"identity", fmt::format("{:016x}", s.origin.identity.content)},
-                {"generation", s.origin.identity.generation},
-                {"crs", d.crs_wkt},
-                {"vertical_unit", d.vertical_unit},
-                {"parts", parts}};
+                {"border", name_of(s.origin.border)}};
+    add_bound(object, d, s.tolerance, s.bound);
+    object.update({{"quantum", s.origin.quantum.value},
+                   {"vertices", s.vertices},
+                   {"bytes", s.bytes},
+                   {"header_bytes", s.header_bytes},
+                   {"identity", fmt::format("{:016x}", s.origin.identity.content)},
+                   {"generation", s.origin.identity.generation},
+                   {"crs", d.crs_wkt},
+                   {"vertical_unit", d.vertical_unit},
+                   {"parts", parts}});
     if (s.is_increment) object["from"] = s.from.value;
     print(object);
     return Exit::done;
   }
   Table table;
-  table.add("stream", fmt::format("{}, {}", request.database, s.is_increment ? "an increment: merge it" : "an answer"));
+  table.add("stream", fmt::format("{}, {}", request.database, s.is_increment ? "an increment" : "an answer"));
   table.add("region", bounds_text(d, s.region));
   table.add("crs", crs_name(d));
-  table.add("border", border_text(s.origin.border));
+  table.add("border", name_of(s.origin.border));
   if (s.is_increment) table.add("from", metres(s.from.value));
-  table.add("tolerance", metres(s.tolerance.value));
-  table.add("bound", bound_text(d, s.bound));
+  add_bound(table, d, s.tolerance, s.bound);
   table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
   table.add("vertices", counted(s.vertices));
-  table.add("size", fmt::format("{}, {:.2f} bits a vertex, {} of them the header", sized(s.bytes),
+  table.add("size", fmt::format("{}, {:.2f} bits a vertex, the header takes {}", sized(s.bytes),
                                 8.0 * static_cast<double>(s.bytes) /
                                     static_cast<double>(std::max<std::uint64_t>(1, s.vertices)),
                                 sized(s.header_bytes)));
@@ -199,7 +181,7 @@ Exit run_stream(const Request& request) {
   return Exit::done;
 }
 
-Exit run(const Request& request) {
+Exit run(Request& request) {
   if (holds_stream(request.database)) return run_stream(request);
   const Snapshot now = open_database(request.database).snapshot();
   if (request.json) {
@@ -213,18 +195,15 @@ Exit run(const Request& request) {
 }  // namespace
 
 void add_info(CLI::App& program, Action& action) {
-  auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("info", "Say what a database or an .rqt file holds");
-  command->add_option("DATABASE", request->database, "Database, or an answer or increment in an .rqt file")
-      ->required()
-      ->check(is_named);
-  command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer(
-      "\n"
-      "Coordinates are those of the database's CRS and name samples, which are pixel centres; heights are\n"
-      "in the source's vertical unit. Pages are listed by the spacing, in cells, of their finest vertices.\n"
-      "\nExample:\n  talus info alps.talus\n  talus info west.rqt");
-  command->callback([request, &action] { action = [request] { return run(*request); }; });
+  const auto request = std::make_shared<Request>();
+  Command command(program, "info", "Show what a database or an .rqt file holds");
+  command.database(request->database, "Database or .rqt file");
+  command.finish(
+      action, request, run,
+      "Coordinates are in the database's CRS and name pixel centres. Heights are in the vertical unit of the "
+      "source. Pages are what a query reads; the list has a line for each distance, in cells, between their "
+      "finest vertices.\n"
+      "\nExamples:\n  talus info alps.talus\n  talus info west.rqt");
 }
 
 }  // namespace talus::app

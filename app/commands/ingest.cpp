@@ -1,16 +1,11 @@
 #include "talus/ingest.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <filesystem>
-#include <memory>
-#include <string>
-
-#include <fmt/format.h>
+#include <tuple>
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/arguments.hpp"
 #include "app/options/input_options.hpp"
 #include "app/terminal/fields.hpp"
 #include "app/terminal/interrupt.hpp"
@@ -24,43 +19,34 @@ namespace {
 
 struct Request {
   std::vector<std::string> files;  // the database last
-  std::string void_weight = "1", memory = "1GiB", progress = "auto", priority = "later", grid_of, cell, height_step,
-              tolerance, metric = "vertical";
-  InputWords inputs_read;
+  std::string grid_of;
+  std::optional<std::pair<double, double>> cell;
   IngestOptions options;
+  Telling telling = Telling::people;
   bool update = false, dry_run = false, json = false;
 
   [[nodiscard]] const std::string& database() const { return files.back(); }
   [[nodiscard]] std::vector<std::filesystem::path> inputs() const { return {files.begin(), files.end() - 1}; }
 };
 
-void settle_options(Request& request) {
+void complete_options(Request& request) {
   IngestOptions& o = request.options;
-  o.inputs = request.inputs_read.read();
-  o.void_weight = parse_weight(request.void_weight);
-  o.error_metric = parse_error_metric(request.metric);
-  if (!request.tolerance.empty()) o.finest_tolerance = parse_tolerance(request.tolerance);
-  o.memory_bytes = parse_bytes(request.memory);
-  if (!request.cell.empty()) {
-    const auto [dx, dy] = parse_cell(request.cell);
-    o.inputs.target_dx = dx;
-    o.inputs.target_dy = dy;
-  }
-  if (!request.height_step.empty()) o.inputs.height_step = parse_height_step(request.height_step);
-  o.inputs.priority_resolution = parse_priority(request.priority);
+  if (request.cell) std::tie(o.inputs.target_dx, o.inputs.target_dy) = *request.cell;
   if (!request.grid_of.empty()) {
     o.inputs.grid = grid_of(open_database(request.grid_of).snapshot().description());
     o.inputs.grid->step.reset();  // its grid, not its heights
   }
-  if (request.update && o.error_metric != ErrorMetric::vertical)
-    throw Failure(Cause::invalid_argument, "--metric is chosen when a database is made; it does not go with --update");
-  if (request.update && o.finest_tolerance.value > 0)
-    throw Failure(Cause::invalid_argument,
-                  "--tolerance is chosen when a database is made; it does not go with --update");
+  const auto refuse_if = [](bool is_wrong, const char* sentence) {
+    if (is_wrong) throw Failure(Cause::invalid_argument, sentence);
+  };
+  refuse_if(request.update && o.error_metric != ErrorMetric::vertical,
+            "--metric is fixed when a database is made: remove it, or --update");
+  refuse_if(request.update && o.finest_tolerance.value > 0,
+            "--tolerance is fixed when a database is made: remove it, or --update");
 }
 
 IngestReport ingest_with_progress(Request& request) {
-  Progress progress(parse_telling(request.progress));
+  Progress progress(request.telling);
   request.options.progress = [&](const IngestProgress& now) {
     if (interrupted()) throw Interrupted{};
     progress.show(now);
@@ -69,15 +55,15 @@ IngestReport ingest_with_progress(Request& request) {
   if (request.update) require_database(request.database());
   if (request.update) return update(request.inputs(), request.database(), request.options);
   const std::filesystem::path part = unfinished_file(request.database());
-  const std::string left =
-      fmt::format("what is done is in {}, here or moved elsewhere --resume goes on with it", part.string());
+  const std::string remedy =
+      fmt::format("{} keeps what is done; run the same command with --resume to continue", part.string());
   try {
     return ingest(request.inputs(), request.database(), request.options);
   } catch (const Interrupted&) {
-    if (std::filesystem::exists(part)) throw Interrupted{"interrupted; " + left};
+    if (std::filesystem::exists(part)) throw Interrupted{"interrupted; " + remedy};
     throw;
   } catch (const Failure& failure) {
-    if (failure.cause() == Cause::full && std::filesystem::exists(part)) note("no space is left; " + left);
+    if (failure.cause() == Cause::full && std::filesystem::exists(part)) note(remedy);
     throw;
   }
 }
@@ -93,15 +79,23 @@ void add_change(Json& json, const Description& d, const UpdateChange& change) {
 
 void add_change(Table& table, const Description& d, const UpdateChange& change) {
   if (change.samples == 0) {
-    table.add("changes", "nothing: the database holds all these samples already");
+    table.add("changes", "nothing: the database has all these samples already");
     return;
   }
   std::string samples = fmt::format("{} samples", counted(change.samples));
-  if (change.filled > 0) samples += fmt::format(", {} of them void or outside before", counted(change.filled));
+  if (change.filled > 0) samples += fmt::format(", {} of them had no data before", counted(change.filled));
   table.add("changes", samples);
   if (change.samples > change.filled)
-    table.add("", fmt::format("at most by {} m, at {}, {}", rounded(change.largest_m), change.x, change.y));
+    table.add("", fmt::format("by up to {} m, at {}, {}", rounded(change.largest_m), change.x, change.y));
   table.add("", fmt::format("within {}", bounds_text(d, change.region)));
+}
+
+Json source_of(const Request& request, const Description& d) {
+  return {{"database", request.database()},
+          {"source", d.source_name},
+          {"type", d.source_type},
+          {"cols", d.extent.cols()},
+          {"rows", d.extent.rows()}};
 }
 
 Exit dry_run(const Request& request) {
@@ -111,11 +105,9 @@ Exit dry_run(const Request& request) {
   const Description& d = e.description;
   notes(e.notes);
   if (request.json) {
-    Json json{{"database", request.database()}, {"source", d.source_name},
-              {"type", d.source_type},          {"cols", d.extent.cols()},
-              {"rows", d.extent.rows()},        {"tiles", e.tiles},
-              {"threads", e.threads},           {"estimated_bytes", e.bytes},
-              {"estimated_seconds", e.seconds}, {"notes", e.notes}};
+    Json json = source_of(request, d);
+    json.update({{"tiles", e.tiles}, {"threads", e.threads}, {"estimated_bytes", e.bytes}});
+    json.update({{"estimated_seconds", e.seconds}, {"notes", e.notes}});
     if (e.change) add_change(json, d, *e.change);
     print(json);
     return Exit::done;
@@ -123,8 +115,8 @@ Exit dry_run(const Request& request) {
   Table table;
   table.add(request.update ? "would update" : "would make", request.database());
   if (e.change) add_change(table, d, *e.change);
-  table.add("samples", fmt::format("{} x {} of {}, {} tiles to settle", d.extent.cols(), d.extent.rows(), d.source_type,
-                                   counted(e.tiles)));
+  table.add("samples", fmt::format("{} x {} of {}, {} tiles to compute", d.extent.cols(), d.extent.rows(),
+                                   d.source_type, counted(e.tiles)));
   table.add("file size", fmt::format("about {}", file_size(e.bytes, d.extent)));
   table.add("time", fmt::format("about {} with {} thread{}", timed(e.seconds), e.threads, e.threads == 1 ? "" : "s"));
   print(table);
@@ -132,122 +124,119 @@ Exit dry_run(const Request& request) {
 }
 
 Exit run(Request& request) {
-  settle_options(request);
+  complete_options(request);
   if (request.dry_run) return dry_run(request);
   IngestReport report = ingest_with_progress(request);
   report.notes = with_options(std::move(report.notes));
   const Description& d = report.description;
   if (d.extent.cols() == 1 || d.extent.rows() == 1)
-    report.notes.push_back("the raster is one sample wide or high: no answer will hold a triangle");
+    report.notes.push_back("the raster is one sample wide or high: no answer has a triangle");
   notes(report.notes);
   if (request.json) {
-    Json json{
-        {"database", request.database()}, {"source", d.source_name},        {"type", d.source_type},
-        {"cols", d.extent.cols()},        {"rows", d.extent.rows()},        {"minimum", d.minimum},
-        {"maximum", d.maximum},           {"void_samples", d.void_samples}, {"tiles", report.tiles},
-        {"samples_now", report.samples},  {"pages", report.pages},          {"pages_read_back", report.pages_read_back},
-        {"bytes", report.bytes},          {"seconds", report.seconds},      {"notes", report.notes}};
+    Json json = source_of(request, d);
+    json.update({{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}});
+    json.update({{"tiles", report.tiles}, {"samples_now", report.samples}, {"pages", report.pages}});
+    json.update({{"pages_read_back", report.pages_read_back}, {"bytes", report.bytes}});
+    json.update({{"seconds", report.seconds}, {"notes", report.notes}});
     if (report.change) add_change(json, d, *report.change);
     print(json);
     return Exit::done;
   }
   Table table;
   const bool is_untouched = report.change && report.change->samples == 0 && report.tiles == 0;
-  table.add("database", is_untouched ? fmt::format("{}, as it was", request.database())
+  table.add("database", is_untouched ? fmt::format("{}, unchanged", request.database())
                                      : fmt::format("{}, {} pages", request.database(), counted(report.pages)));
   table.add("file size", file_size(report.bytes, d.extent));
   table.add("samples", fmt::format("{} x {} of {}, {} void", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(d.void_samples)));
   table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
   if (report.change) add_change(table, d, *report.change);
-  if (request.update) table.add("tiles", fmt::format("{} settled anew", counted(report.tiles)));
+  if (request.update) table.add("tiles", fmt::format("{} computed again", counted(report.tiles)));
   std::string time = timed(report.seconds);
   if (report.samples > 0) {
     const double rate = static_cast<double>(report.samples) / 1e6 / std::max(report.seconds, 1e-9);
-    time += fmt::format(", {:.3g} million samples a second", rate);
+    time += fmt::format(", {:.3g} million samples/s", rate);
   }
   table.add("time", time);
   print(table);
   return Exit::done;
 }
 
-void add_grid_options(CLI::App& command, Request& request) {
-  add_input_options(command, request.inputs_read);
-  InputOptions& inputs = request.inputs_read.options;
-  const std::string group = "Inputs";
-  command.add_option("--priority", request.priority, "Where inputs overlap: the later one wins, or the finer")
-      ->option_text("later|resolution")
-      ->group(group);
-  command.add_option("--t-srs", inputs.target_srs, "Resample to this CRS")->option_text("CRS")->group(group);
-  command.add_option("--tr", request.cell, "Resample to cells of this size")->option_text("DX,DY")->group(group);
-  command.add_option("--resampling", inputs.resampling, "How: near, bilinear, cubic, average")
-      ->option_text("METHOD [bilinear]")
-      ->group(group);
-  command.add_option("--grid-of", request.grid_of, "Resample to the grid of this database")
-      ->option_text("DATABASE")
-      ->group(group);
-  command
-      .add_option("--height-step", request.height_step,
-                  "Round heights to multiples of so many metres; half of it is part of every bound")
-      ->option_text("METRES")
-      ->group(group);
+void add_grid_options(Command& command, Request& request) {
+  InputOptions& inputs = request.options.inputs;
+  command.group("Joining and resampling");
+  command.choice("--priority", inputs.priority_resolution, Names<bool>{{"later", false}, {"resolution", true}},
+                 "Which input wins where several overlap.\n"
+                 "later (default): the one named later\n"
+                 "resolution: the one with smaller cells");
+  command.option("--t-srs", inputs.target_srs, "CRS", "Resample to this CRS");
+  command.option("--tr", request.cell, kCell, "DX,DY", "Resample to cells of this size, in units of the CRS");
+  command.choice(
+      "--resampling", inputs.resampling,
+      Names<std::string>{{"bilinear", "bilinear"}, {"near", "near"}, {"cubic", "cubic"}, {"average", "average"}},
+      "Resample by bilinear (default), near, cubic or average");
+  command.file("--grid-of", request.grid_of, "DATABASE", "Resample to the grid of this database");
+  command.option("--height-step", inputs.height_step, kMetresAboveZero, "M",
+                 "Round heights to multiples of M metres. Every bound then includes half of it");
 }
 
 }  // namespace
 
 void add_ingest(CLI::App& program, Action& action) {
-  auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("ingest", "Make a database from elevation rasters, or put more into one");
-  command->add_option("FILES", request->files, "Raster files, folders of them or @LIST.txt; the database last")
+  const auto request = std::make_shared<Request>();
+  IngestOptions& options = request->options;
+  Command command(program, "ingest", "Make a database from elevation rasters, or update one");
+  command.group("Arguments")
+      .file("INPUT... DATABASE", request->files, "INPUT... DATABASE",
+            "Rasters, folders of them or @LIST.txt; the database last")
       ->required()
-      ->expected(2, 1 << 20)
-      ->option_text("INPUT... DATABASE")
-      ->check(is_named);
-  command->add_flag("--overwrite", request->options.overwrite, "Replace the database if it exists");
-  command->add_flag(
-      "--resume", request->options.resume,
-      "Go on with an ingest that was interrupted; what it left is checked first.\nAn interrupted update begins anew");
-  command->add_flag("--update", request->update,
-                    "Put the inputs into a database that exists, over what it holds; say what changed");
-  command->add_flag("--dry-run", request->dry_run,
-                    "Say what would be done, how large and how long, with --update what\nwould change; write nothing");
-  command->add_option("--memory", request->memory, "Stay below this, whatever the size of the raster")
-      ->option_text("BYTES [1GiB]");
-  command->add_option("--threads", request->options.threads, "Changes nothing but the time; 0: one a core")
-      ->transform(whole())
-      ->option_text("N [0]");
-  command
-      ->add_option("--void-weight", request->void_weight,
-                   "Metres of error per metre of ground where a triangle mixes data and void: a larger\n"
-                   "weight draws the outline of the data more finely")
-      ->option_text("W [1]");
-  command
-      ->add_option("--tolerance", request->tolerance,
-                   "Keep only the vertices that an answer at M metres needs: a smaller file that answers no\n"
-                   "finer and cannot be updated; without it every sample is kept, bit for bit")
-      ->option_text("M");
-  command
-      ->add_option("--metric", request->metric,
-                   "Distances along the vertical, or at right angles to triangles, which are less on slopes")
-      ->option_text("vertical|perpendicular [vertical]");
-  command->add_option("--progress", request->progress, "On a terminal, as JSON lines on standard error, or not")
-      ->option_text("auto|json|none");
-  command->add_flag("--json", request->json, "Print one JSON object");
-  add_grid_options(*command, *request);
-  command->footer(
+      ->expected(2, 1 << 20);
+
+  command.group("Most used");
+  command.flag("--update", request->update, "Write the inputs over what the database holds, and show what changed");
+  command.flag("--overwrite", options.overwrite, "Replace the database if it exists");
+  command.flag(
+      "--dry-run", request->dry_run,
+      "Write nothing. Show how large the database becomes and how long that takes; with --update, what changes");
+
+  command.group("How to work");
+  command.flag("--resume", options.resume, "Continue an ingest that was interrupted. An update starts again instead");
+  command.option("--memory", options.memory_bytes, kBytes, "BYTES", "Use less memory than this. Default: 1GiB");
+  command.threads(options.threads);
+  command.choice("--progress", request->telling,
+                 Names<Telling>{{"auto", Telling::people}, {"json", Telling::json}, {"none", Telling::nobody}},
+                 "auto (default): a line on a terminal\n"
+                 "json: lines of JSON on standard error\n"
+                 "none: nothing");
+
+  command.group("What the database promises");
+  command.option("--tolerance", options.finest_tolerance, kTolerance, "M",
+                 "Keep only the vertices that answers at M metres need. The file is smaller; it gives no finer answer "
+                 "and cannot be updated. Default: keep every sample, bit for bit");
+  command.option(
+      "--void-weight", options.void_weight, kWeight, "W",
+      "Error in metres per metre of ground where a triangle mixes data and void. A larger weight follows the "
+      "outline of the data more closely. Default: 1");
+  command.choice("--metric", options.error_metric,
+                 Names<ErrorMetric>{{"vertical", ErrorMetric::vertical}, {"perpendicular", ErrorMetric::perpendicular}},
+                 "vertical (default): distances along the vertical\n"
+                 "perpendicular: at right angles to the triangles, shorter on slopes");
+
+  add_input_options(command, options.inputs);
+  add_grid_options(command, *request);
+  command.finish(
+      action, request, run,
+      "Reads one band of local rasters: GeoTIFF, VRT, SRTM .hgt, ASCII grid and others that GDAL reads. Scale, offset "
+      "and unit are applied. Samples are pixel centres. talus help voids explains samples without data.\n"
       "\n"
-      "Reads one band of local rasters (GeoTIFF, VRT, SRTM .hgt, ASCII grid and others GDAL reads),\n"
-      "computes the error of every vertex and writes one file, in memory that does not grow with the\n"
-      "raster. Samples are pixel centres; nodata, masks, alpha and NaN are voids; scale, offset and unit are applied.\n"
-      "Colours are refused unless --decode says how they stand for heights.\n"
-      "Tiles on one grid are joined; others are refused unless an option says how to resample them.\n"
-      "Interrupted, killed or out of disk, it leaves DATABASE.part, and --resume goes on. An input that changes\n"
-      "meanwhile, or a file that it names, is a failure.\n"
+      "Rasters on one grid are joined. Others need an option that says how to resample them.\n"
+      "\n"
+      "An interrupted ingest leaves DATABASE.part; run the same command with --resume to continue. An input must not "
+      "change meanwhile.\n"
       "\nExamples:\n"
       "  talus ingest alps.tif alps.talus\n"
       "  talus ingest tiles/ country.talus --memory 512MiB\n"
       "  talus ingest --update new_tile.tif country.talus");
-  command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 
 }  // namespace talus::app

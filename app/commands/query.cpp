@@ -1,52 +1,44 @@
 #include <chrono>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "app/commands/commands.hpp"
-#include "app/commands/increment.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/arguments.hpp"
+#include "app/options/answer_options.hpp"
 #include "app/options/outputs.hpp"
 #include "app/options/places.hpp"
-#include "app/options/stream_answer.hpp"
-#include "app/options/stream_options.hpp"
 #include "app/terminal/explain.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "app/terminal/report.hpp"
 #include "app/terminal/say.hpp"
 #include "talus/database.hpp"
+#include "talus/stream.hpp"
 
 namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, tolerance, from, bbox, border = "constrain", focus, tolerance_raster;
+  std::string database, tolerance_raster;
+  std::optional<Metres> tolerance;
+  std::optional<Rectangle> bbox;
+  std::optional<Focus> focus;
   std::int32_t snap = 1;
-  int max_level = -1, threads = 0;
-  Budget budget;
+  Question question;
   std::vector<std::string> outputs, neighbours;
-  Interest interest;
+  Places places;
   StreamOptions stream;
-  HeightWords heights;
   bool json = false, explain = false;
 };
 
-/// All that is read.
 std::vector<std::string> inputs_of(const Request& request) {
   std::vector<std::string> inputs{request.database};
-  for (const auto* files : {&request.neighbours, &request.interest.point_files, &request.interest.line_files})
+  for (const auto* files : {&request.neighbours, &request.places.point_files, &request.places.line_files})
     inputs.insert(inputs.end(), files->begin(), files->end());
   if (!request.tolerance_raster.empty()) inputs.push_back(request.tolerance_raster);
   return inputs;
 }
 
 std::string why_empty(GridRect region) {
-  if (region.cols() == 1 || region.rows() == 1) return "no triangle: the region is one sample wide or high";
-  return "no triangle: the region holds no three neighbouring samples of data";
+  if (region.cols() == 1 || region.rows() == 1) return "no triangle: the rectangle is one sample wide or high";
+  return "no triangle: the rectangle has no three neighbouring samples with data";
 }
 
 std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& files) {
@@ -59,288 +51,269 @@ std::vector<RestrictedQuadtree> read_neighbours(const std::vector<std::string>& 
   return neighbours;
 }
 
-/// What words alone say of a question: region and field are still to come.
-Question words_of(const Request& request, Places places, const std::vector<RestrictedQuadtree>& neighbours) {
-  Question question;
-  question.border = parse_border(request.border);
-  if (request.max_level >= 0) question.max_level = request.max_level;
+/// Completes the question that the options began, as far as no database is needed.
+Question question_of(const Request& request, const std::vector<RestrictedQuadtree>& neighbours) {
+  Question question = request.question;
+  question.tolerance = request.tolerance.value_or(Metres{0});
+  Places places = with_files_read(request.places);
   question.places = std::move(places.points);
   question.lines = std::move(places.lines);
   for (const RestrictedQuadtree& neighbour : neighbours) question.neighbours.push_back(&neighbour);
-  question.budget = request.budget;
-  if (!request.tolerance.empty()) question.tolerance = parse_tolerance(request.tolerance);
-  if (!request.from.empty()) question.from = parse_tolerance(request.from, "--from");
-  question.heights = request.heights.heights();
-  question.threads = request.threads;
   return question;
 }
 
-/// Refuses what does not go together before a database is opened or a raster of tolerances read.
-void require_combinable_words(const Request& request, Question question) {
-  if (!request.focus.empty() || !request.tolerance_raster.empty())
+/// Refuses options that do not go together, before a database is opened or a raster of tolerances is read.
+void require_combinable_options(const Request& request, Question question) {
+  if (request.focus || !request.tolerance_raster.empty())
     question.field = patch_tolerance({{0, 0}, {1, 1}}, 1, 1, {0});  // stands for the one to come
   require_combinable(question);
 }
 
-/// The rest of the question.
-void place(Question& question, const Request& request, const Snapshot& now, const std::optional<Rectangle>& rectangle,
-           Stages& stages) {
+/// Adds the region, and the tolerances that depend on it.
+void place(Question& question, const Request& request, const Snapshot& now, Stages& stages) {
   const Description& d = now.description();
-  question.region = snapped(rectangle ? now.region(*rectangle).samples : d.extent, request.snap, d.extent);
+  question.region = snapped(request.bbox ? now.region(*request.bbox).samples : d.extent, request.snap, d.extent);
   if (!request.tolerance_raster.empty()) {
     stages.time("read the tolerances",
                 [&] { question.field = tolerance_of_raster(request.tolerance_raster, d, question.region); });
   }
-  if (!request.focus.empty()) {
-    const Focus focus = parse_focus(request.focus);
-    question.field = focus_tolerance(d, focus.x, focus.y, focus.metres_per_metre, question.tolerance);
-  }
+  if (request.focus)
+    question.field =
+        focus_tolerance(d, request.focus->x, request.focus->y, request.focus->metres_per_metre, question.tolerance);
 }
 
-/// An .rqt file holds a quadtree.
 void require_fit_for_streams(const Request& request) {
   for (const std::string& output : request.outputs) {
-    if (!is_stream_file(output) || parse_border(request.border) != Border::clip) continue;
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("--output {}: an .rqt file holds a quadtree, and --border clip cuts its mesh; ask with --border "
-                    "cover, or for a mesh",
-                    output));
+    if (!is_stream_file(output) || request.question.border != Border::clip) continue;
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--output {}: an .rqt file cannot hold a mesh that --border clip has cut; use --border "
+                              "cover, or write another format",
+                              output));
   }
 }
 
-/// One word decides about the tolerance, and one about where which is.
+/// Exactly one option says how exact the answer is.
 void require_tolerance(const Request& request) {
-  const bool has_budget = request.budget.vertices > 0 || request.budget.triangles > 0;
+  const bool has_budget = request.question.budget.vertices > 0 || request.question.budget.triangles > 0;
   const bool has_raster = !request.tolerance_raster.empty();
-  if (int{has_budget} + int{has_raster} + int{!request.tolerance.empty()} != 1) {
+  if (int{has_budget} + int{has_raster} + int{request.tolerance.has_value()} != 1) {
     throw Failure(Cause::invalid_argument,
-                  "expected --tolerance M, or one of these instead: a budget, --max-vertices or --max-triangles, or "
+                  "query needs --tolerance M, or one of these instead: --max-vertices, --max-triangles or "
                   "--tolerance-raster");
   }
-  if (has_raster && !request.focus.empty())
-    throw Failure(Cause::invalid_argument,
-                  "--focus and --tolerance-raster both say where which tolerance is: expected one");
+  if (has_raster && request.focus)
+    throw Failure(Cause::invalid_argument, "--focus does not go with --tolerance-raster: remove one of them");
 }
 
-/// What whoever asked should know, or do.
+/// Notes for the reader.
 std::vector<std::string> remarks_on(const Request& request, const Answer& answer, const Mesh& mesh, bool is_clipped) {
   std::vector<std::string> remarks;
-  if (is_clipped) remarks.push_back(clipped_text(request.bbox));
+  if (is_clipped) remarks.push_back(clipped_text(*request.bbox));
   if (mesh.triangles.empty()) remarks.push_back(why_empty(mesh.region));
   if (!answer.unmatched.empty()) {
     remarks.push_back(
-        fmt::format("{} vertices on shared sides are not in the neighbours: ask for those again with --match, or "
-                    "there are cracks",
+        fmt::format("the mesh has cracks: the neighbours lack {} of its vertices on shared sides; ask for them again "
+                    "with --match",
                     counted(answer.unmatched.size())));
   }
   if (answer.void_points > 0) {
-    remarks.push_back(fmt::format("{} of the samples that were asked for have no data and are no vertices",
-                                  counted(answer.void_points)));
+    remarks.push_back(
+        fmt::format("{} samples at points and lines have no data and are no vertices", counted(answer.void_points)));
   }
-  if (request.outputs.empty()) remarks.push_back("nothing written; add -o FILE to keep the mesh");
+  if (request.outputs.empty()) remarks.push_back("nothing was written; add -o FILE to keep the mesh");
   return remarks;
 }
 
-Exit run(const Request& request) {
-  require_tolerance(request);
-  // What is misspelt is said before a file is opened.
-  if (!request.tolerance.empty()) static_cast<void>(parse_tolerance(request.tolerance));
-  if (!request.focus.empty()) static_cast<void>(parse_focus(request.focus));
-  static_cast<void>(parse_border(request.border));
-  static_cast<void>(request.heights.heights());
-  StreamOptions options = request.stream;
-  options.threads = request.threads;
-  if (!request.from.empty()) static_cast<void>(parse_tolerance(request.from, "--from"));
-  require_fit_for_streams(request);
-  std::optional<Rectangle> rectangle;
-  if (!request.bbox.empty()) rectangle = parse_bbox(request.bbox);
-  check_outputs(request.outputs, inputs_of(request));
-  Places places = read_places(request.interest);
-  const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
-  Question question = words_of(request, std::move(places), neighbours);
-  require_combinable_words(request, question);
+/// Ends what is printed.
+void conclude(Json& object, const Request& request, const std::vector<std::string>& remarks, const QueryCost& cost,
+              double seconds, const Stages& stages) {
+  add_cost(object, cost, seconds);
+  object["output"] = request.outputs;
+  object["notes"] = remarks;
+  if (request.explain) object["explain"] = explained(cost, stages);
+  print(object);
+}
+void conclude(Table& table, const Request& request, const QueryCost& cost, double seconds, const Stages& stages) {
+  add_cost(table, cost, seconds);
+  for (const std::string& output : request.outputs) table.add("output", output);
+  print(table.text() + (request.explain ? explained_text(cost, stages) : ""));
+}
 
-  const Snapshot now = open_database(request.database, {.threads = request.threads}).snapshot();
+/// query --from
+Exit write_increment(const Request& request, const Snapshot& now, const Question& question) {
+  for (const std::string& output : request.outputs) require_ending(output, {".rqt"});
   const Description& description = now.description();
-  const bool is_clipped = rectangle && now.region(*rectangle).is_cut;
+  Answer answer = now.ask(question);
+  Stages stages;
+  if (answer.search.pages_read > 0) stages.add_search(answer.search);
+  const Increment increment = increment_of(std::move(answer));
+  const RestrictedQuadtree& added = increment.added;
+  stages.add(increment.cost);
+  const auto write = [&] {
+    const RestrictedQuadtree base = now.ask({.region = question.region,
+                                             .tolerance = increment.from,
+                                             .heights = question.heights,
+                                             .threads = question.threads})
+                                        .quadtree;
+    for (const std::string& output : request.outputs) {
+      const HoldInterrupts whole_file_or_none;
+      write_stream({description, increment}, output, request.stream, &base);
+    }
+  };
+  std::vector<std::string> remarks;
+  if (request.outputs.empty())
+    remarks.push_back("nothing was written; add -o FILE.rqt to keep the increment");
+  else
+    stages.time("write", write);
+  notes(remarks);
+  if (request.json) {
+    Json object{{"region", bounds(description, question.region)}, {"from", increment.from.value}};
+    add_bound(object, description, added.tolerance, added.bound);
+    object["vertices"] = added.vertices.size();
+    conclude(object, request, remarks, increment.cost, increment.cost.seconds, stages);
+    return Exit::done;
+  }
+  Table table;
+  table.add("region", bounds_text(description, question.region));
+  table.add("from", metres(increment.from.value));
+  add_bound(table, description, added.tolerance, added.bound);
+  table.add("added", fmt::format("{} vertices", counted(added.vertices.size())));
+  conclude(table, request, increment.cost, increment.cost.seconds, stages);
+  return Exit::done;
+}
+
+Exit run(Request& request) {
+  require_tolerance(request);
+  require_fit_for_streams(request);
+  check_outputs(request.outputs, inputs_of(request));
+  const int threads = request.stream.threads = request.question.threads;
+  const std::vector<RestrictedQuadtree> neighbours = read_neighbours(request.neighbours);
+  Question question = question_of(request, neighbours);
+  require_combinable_options(request, question);
+
+  const Snapshot now = open_database(request.database, {.threads = threads}).snapshot();
+  const Description& description = now.description();
+  const bool is_clipped = request.bbox && now.region(*request.bbox).is_cut;
   const auto start = std::chrono::steady_clock::now();
   Stages stages;
-  place(question, request, now, rectangle, stages);
+  place(question, request, now, stages);
   if (question.from) {
-    if (is_clipped) note(clipped_text(request.bbox));
-    return write_increment(now, question, request.outputs, options, request.json, request.explain);
+    if (is_clipped) note(clipped_text(*request.bbox));
+    return write_increment(request, now, question);
   }
   const Answer answer = now.ask(question);
   const bool by_raster = !request.tolerance_raster.empty();
   const Metres tolerance = by_raster        ? Metres{question.field->least(question.region)}
                            : question.field ? question.tolerance
                                             : answer.quadtree.tolerance;
-  if (request.tolerance.empty() && !by_raster) stages.add_search(answer.search);
+  if (!request.tolerance && !by_raster) stages.add_search(answer.search);
   stages.add(answer.cost);
-  Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree, request.threads); });
-  if (question.border == Border::clip && rectangle)
-    mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.region(*rectangle).frame); });
+  Mesh mesh = stages.time("triangulate", [&] { return triangulate(answer.quadtree, threads); });
+  if (question.border == Border::clip && request.bbox)
+    mesh = stages.time("cut", [&] { return clip_mesh(mesh, now.region(*request.bbox).frame); });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   Metres bound = answer.quadtree.bound;
   if (!request.outputs.empty()) {
-    stages.time("write",
-                [&] { bound = bound + write_outputs(answer.quadtree, mesh, description, request.outputs, options); });
+    stages.time("write", [&] {
+      bound = bound + write_outputs(answer.quadtree, mesh, description, request.outputs, request.stream);
+    });
   }
 
   const std::vector<std::string> remarks = remarks_on(request, answer, mesh, is_clipped);
   notes(remarks);
   if (request.json) {
-    Json object{{"region", bounds(description, mesh.region)},
-                {"tolerance", tolerance.value},
-                {"bound", bound.value},
-                {"error_metric", name_of(description.error_metric)},
-                {"vertices", mesh.size()},
-                {"triangles", mesh.triangles.size()},
-                {"quantum", answer.quadtree.origin.quantum.value},
-                {"border_vertices", answer.border_vertices},
-                {"matching_vertices", answer.matching_vertices},
-                {"unmatched_vertices", answer.unmatched.size()},
-                {"point_vertices", answer.point_vertices},
-                {"void_points", answer.void_points},
-                {"pages_read", answer.cost.pages_read},
-                {"bytes_read", answer.cost.bytes_read},
-                {"seconds", seconds},
-                {"output", request.outputs},
-                {"notes", remarks}};
-    if (rectangle) {
-      object["asked"] = Json::array({rectangle->xmin, rectangle->ymin, rectangle->xmax, rectangle->ymax});
-      object["clipped"] = is_clipped;
-    }
-    if (request.explain) object["explain"] = explained(answer.cost, stages);
-    print(object);
+    Json object{{"region", bounds(description, mesh.region)}};
+    add_bound(object, description, tolerance, bound);
+    object.update({{"vertices", mesh.size()},
+                   {"triangles", mesh.triangles.size()},
+                   {"quantum", answer.quadtree.origin.quantum.value},
+                   {"border_vertices", answer.border_vertices},
+                   {"matching_vertices", answer.matching_vertices},
+                   {"unmatched_vertices", answer.unmatched.size()},
+                   {"point_vertices", answer.point_vertices},
+                   {"void_points", answer.void_points}});
+    if (request.bbox) add_rectangle(object, *request.bbox, is_clipped);
+    conclude(object, request, remarks, answer.cost, seconds, stages);
     return Exit::done;
   }
   Table table;
   table.add("region", bounds_text(description, mesh.region));
-  table.add("tolerance", by_raster ? fmt::format("{} or more, by {}", metres(tolerance.value), request.tolerance_raster)
-                                   : metres(tolerance.value));
-  table.add("bound", bound_text(description, bound));
+  add_bound(table, description, tolerance, bound);
+  if (by_raster)
+    table.add("varies", fmt::format("{} or more, by {}", metres(tolerance.value), request.tolerance_raster));
   if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
-  table.add("mesh", fmt::format("{} vertices, {} triangles", counted(mesh.size()), counted(mesh.triangles.size())));
+  table.add("mesh", mesh_text(mesh.size(), mesh.triangles.size()));
   if (question.heights.kind != HeightKind::exact)
     table.add("heights", fmt::format("multiples of {} m", answer.quadtree.origin.quantum.value));
   table.add("border",
-            fmt::format("{}: {} of the vertices are for it alone", request.border, counted(answer.border_vertices)));
+            fmt::format("{} extra vertices, so that neighbouring rectangles meet", counted(answer.border_vertices)));
   if (!neighbours.empty())
-    table.add("match", fmt::format("{} of the vertices are for neighbours alone", counted(answer.matching_vertices)));
-  if (!request.interest.is_empty()) {
-    table.add("points", fmt::format("{} samples, {} of the vertices are for them alone", counted(answer.points),
+    table.add("match", fmt::format("{} extra vertices to meet the neighbours", counted(answer.matching_vertices)));
+  if (!request.places.is_empty()) {
+    table.add("points", fmt::format("{} samples, {} extra vertices for them", counted(answer.points),
                                     counted(answer.point_vertices)));
   }
-  table.add("read", fmt::format("{} pages, the header's among them, {}", counted(answer.cost.pages_read),
-                                sized(answer.cost.bytes_read)));
-  table.add("time", timed(seconds));
-  for (const std::string& output : request.outputs) table.add("output", output);
-  print(table.text() + (request.explain ? explained_text(answer.cost, stages) : ""));
+  conclude(table, request, answer.cost, seconds, stages);
   return Exit::done;
 }
 
 }  // namespace
 
 void add_query(CLI::App& program, Action& action) {
-  auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("query", "Answer a rectangle at a tolerance with a mesh");
-  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
-  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf")->option_text("M");
-  command->add_option("--from", request->from, "What an answer at this tolerance lacks, as an increment for merge")
-      ->option_text("M");
-  command->add_option("--bbox", request->bbox, "Rectangle to answer")->option_text("XMIN,YMIN,XMAX,YMAX");
-  command
-      ->add_option("--border", request->border,
-                   "constrain: the rectangle's sides are mesh edges; cover: whole triangles that reach\n"
-                   "beyond; clip: those, cut at the rectangle as it was asked for")
-      ->option_text("constrain|cover|clip [constrain]");
-  command
-      ->add_option("--snap", request->snap,
-                   "Grow the rectangle to multiples of N samples; 16 needs fewest border vertices")
-      ->transform(whole())
-      ->option_text("N [1]");
-  command
-      ->add_option("--max-level", request->max_level,
-                   "No vertex finer than this level, 0 the coarsest, whatever the tolerance; the bound says what\n"
-                   "is kept")
-      ->transform(whole())
-      ->check(CLI::Range(0, 31))
-      ->option_text("L");
-  command
-      ->add_option("--max-vertices", request->budget.vertices,
-                   "Instead of a tolerance: the smallest whose answer has at most N, on the ladder of stored errors,\n"
-                   "whose rungs are 0.6 % apart. Beside voids vertices count that no triangle needs")
-      ->transform(whole())
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
-      ->option_text("N");
-  command->add_option("--max-triangles", request->budget.triangles, "The same for triangles")
-      ->transform(whole())
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
-      ->option_text("N");
-  command
-      ->add_option("--focus", request->focus,
-                   "The tolerance is that of --tolerance at a point and grows by so many metres with each metre\n"
-                   "on the ground from it")
-      ->option_text("X,Y,METRES_PER_METRE");
-  command
-      ->add_option("--tolerance-raster", request->tolerance_raster,
-                   "Instead of a tolerance: a raster of one band with metres. Each sample has the tolerance of\n"
-                   "the cell it lies in, at most 1000000; one that is not georeferenced lies evenly over the\n"
-                   "rectangle")
-      ->option_text("FILE")
-      ->check(is_named);
-  add_interest(command, request->interest);
-  command
-      ->add_option("--match", request->neighbours,
-                   "An answer of another rectangle with the same side, or part of one: its vertices there\n"
-                   "become vertices here, so that the two meet at any tolerances. Ask for the finer one\n"
-                   "first: what a coarser neighbour lacks is counted, and there the two do not meet. Repeat it\n"
-                   "for more neighbours than one")
-      ->option_text("NEIGHBOUR.rqt ...")
-      ->check(is_named)
-      ->type_size(1)
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command
-      ->add_option("-o,--output", request->outputs,
-                   "Write the mesh; the ending says how: .ply (binary, double x y z), .obj, .glb (glTF, in\n"
-                   "metres), .tif (heights at the samples), .png (a picture), or .rqt: the quadtree itself,\n"
-                   "for merge and convert. Repeat it for more than one; an existing file is replaced")
-      ->option_text("OUT ...")
-      ->check(is_named)
-      ->type_size(1)
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  add_height_words(command, request->heights);
-  add_stream_words(command, request->stream);
-  command->add_flag("--explain", request->explain,
-                    "Print also which pages were read, which were left out and why, and where time went");
-  command->add_option("--threads", request->threads, "Of a large answer; changes nothing but the time; 0: one a core")
-      ->transform(whole())
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N [0]");
-  command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer(
-      "\n"
-      "Answer a rectangle at a tolerance with a crack-free mesh: every valid sample of the rectangle under it lies\n"
-      "within the tolerance of its surface. Answers at one tolerance for rectangles that share a whole side meet\n"
-      "without a crack if both are at least 16 cells deep across it.\n"
-      "\n"
-      "The rectangle is in the database's CRS, X before Y, and goes outward to the next samples, which are\n"
-      "pixel centres; without one the whole raster is answered. Tolerance and bound are metres, heights go\n"
-      "out in the source's vertical unit. Of longitudes, XMIN above XMAX is the box across the antimeridian.\n"
-      "\n"
-      "Points and lines are in the database's CRS, within the rectangle. Samples nearest to them become vertices; "
-      "those\n"
-      "without data do not, and are counted. The edges of the mesh need not follow a line. A raster of tolerances "
-      "must\n"
-      "cover the rectangle and be in the database's CRS; a cell in which a sample lies must not be void or negative.\n"
-      "\nExample:\n"
+  const auto request = std::make_shared<Request>();
+  Question& question = request->question;
+  Command command(program, "query", "Make a mesh of a rectangle at a tolerance");
+  command.database(request->database);
+
+  command.group("Most used");
+  command.option("--tolerance", request->tolerance, kTolerance, "M",
+                 "Tolerance in metres, 0 or more, or inf. talus help tolerance says more");
+  command.bbox(request->bbox,
+               "Rectangle, in the database's CRS. Default: the whole raster. talus help places says more");
+  command.files("-o,--output", request->outputs, "OUT",
+                "File to write; the ending is the format: .ply, .obj, .glb, .tif, .png or .rqt. Can be repeated. talus "
+                "help outputs says more");
+
+  command.group("Other ways to set the tolerance");
+  constexpr std::int64_t kMost = std::int64_t{1} << 53;
+  command.number("--max-triangles", question.budget.triangles, "N",
+                 "Use the smallest tolerance (to within 0.6 %) whose mesh has at most N triangles", 1, kMost);
+  command.number("--max-vertices", question.budget.vertices, "N",
+                 "The same for vertices. Vertices beside voids that no triangle uses count too", 1, kMost);
+  command.option("--focus", request->focus, kFocus, "X,Y,M",
+                 "Keep --tolerance at the point X,Y. It grows by M metres with each metre of distance");
+  command.file(
+      "--tolerance-raster", request->tolerance_raster, "FILE",
+      "Raster with a tolerance in metres for each cell, at most 1000000. It has one band, covers the rectangle "
+      "and is in the database's CRS. Without a place of its own it is stretched over the rectangle");
+  command.number("--max-level", question.max_level, "L",
+                 "Leave out levels finer than L; 0 is the coarsest. The bound says what that costs", 0, 31);
+
+  command.group("Border");
+  add_border_option(command, question.border);
+  command.number("--snap", request->snap, "N",
+                 "Grow the rectangle to multiples of N samples. 16 needs the fewest extra vertices. Default: 1", 1);
+  command.files("--match", request->neighbours, "NEIGHBOUR.rqt",
+                "Take the vertices on a shared side from this answer, so that both meet at any tolerances. Ask for the "
+                "finer one first. Can be repeated");
+
+  add_places(command, request->places);
+
+  add_height_options(command.group("Heights and .rqt files"), question.heights);
+  command.option("--from", question.from, kTolerance, "M",
+                 "Write an increment: only what the answer lacks at M metres. talus help streams says more");
+  add_stream_options(command, request->stream);
+
+  command.group("Other");
+  command.flag("--explain", request->explain, "Print which pages were read, which were not and why, and the time");
+  command.threads(question.threads);
+  command.finish(
+      action, request, run,
+      "The mesh has no cracks, and every sample under it lies within the tolerance. Heights are in the vertical unit "
+      "of the source. Answers at one tolerance meet without cracks where rectangles share a whole side and are 16 "
+      "cells deep or more.\n"
+      "\nExamples:\n"
       "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png\n"
       "  talus query alps.talus --max-triangles 100000 -o overview.ply\n"
       "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply\n"
@@ -348,7 +321,6 @@ void add_query(CLI::App& program, Action& action) {
       "  talus query alps.talus --tolerance 2 --explain\n"
       "  talus query alps.talus --tolerance 1 --bbox=7.5,45.9,7.7,46.1 -o west.ply -o west.rqt\n"
       "  talus query alps.talus --tolerance 20 --bbox=7.7,45.9,7.9,46.1 --match west.rqt -o east.ply");
-  command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 
 }  // namespace talus::app

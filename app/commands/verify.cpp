@@ -1,28 +1,23 @@
 #include <algorithm>
 #include <cctype>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
 #include "app/files/truth.hpp"
-#include "app/options/arguments.hpp"
 #include "app/options/input_options.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/report.hpp"
+#include "app/terminal/say.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
 namespace {
 
 struct Request {
-  std::string database, tolerance;
+  std::string database;
+  std::optional<Metres> tolerance;
   std::vector<std::string> against;
-  InputWords inputs;
+  InputOptions inputs;
   bool json = false;
 };
 
@@ -42,9 +37,9 @@ std::vector<std::string> sources_of(const Snapshot& now) {
   return names;
 }
 
-/// A file whose header or outer structure is damaged cannot be checked any further.
+/// A file whose header is damaged cannot be checked any further.
 Snapshot open_or_advise(const std::string& database) {
-  require_database(database);  // what is something else needs no backup
+  require_database(database);  // another kind of file needs no backup
   try {
     return Database::open(database).snapshot();
   } catch (const Failure& f) {
@@ -62,7 +57,7 @@ Checked check(const Request& request, std::optional<Metres> tolerance) {
   options.tolerance = tolerance;
   options.progress = [&](double fraction, const char* stage) { progress.show(fraction, stage); };
   if (!request.against.empty())
-    options.truth = open_truth(request.against, request.inputs.read(), made.description, request.database);
+    options.truth = open_truth(request.against, request.inputs, made.description, request.database);
   made.report = verify(now, options);
   return made;
 }
@@ -77,23 +72,23 @@ std::string advice(const Checked& checked) {
   const std::string again = sources.empty() ? "ingest its sources again" : "ingest again from: " + sources;
   const std::string restore = "restore the file from a backup, or " + again;
   if (!checked.report.is_rest_usable) return "do not use it; " + restore;
-  return (checked.report.damaged.empty() ? "answers are right, but the file changed since it was made; "
-                                         : "answers that need nothing from the damaged rectangles are right; ") +
+  return (checked.report.damaged.empty() ? "answers are right, but the file has changed since it was made; "
+                                         : "answers outside the damaged rectangles are right; ") +
          restore;
 }
 
-// The surface is double arithmetic on heights: a nanometre, and a part in 10¹², is rounding.
+// Doubles are rounded: a nanometre, and a relative error of 10^-12, are no findings.
 bool is_within(Metres error, Metres tolerance, double part) {
   return error.value <= tolerance.value * (1 + part) + 1e-9;
 }
 
-/// Whether the measured surface keeps what was promised.
+/// Whether the measured surface keeps its bound.
 bool is_within_bound(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
   if (!tolerance || !report.true_error) return true;
   const Description& d = checked.description;
   const Metres promised{std::max({tolerance->value, d.lossy_metres, d.finest_tolerance})};
-  // Cells of degrees are measured in two ways here and there: a millionth.
+  // Cells in degrees are measured in two ways, which differ by a millionth.
   return report.perpendicular_error ? is_within(*report.perpendicular_error, promised, 1e-6)
                                     : is_within(*report.true_error, promised, 1e-12);
 }
@@ -106,7 +101,7 @@ Exit exit_of(const Checked& checked, std::optional<Metres> tolerance) {
 std::string verdict(const Checked& checked, std::optional<Metres> tolerance, bool with_details) {
   if (checked.report.is_damaged()) return "DAMAGED";
   if (!is_within_bound(checked, tolerance)) return "BEYOND ITS BOUND";
-  if (checked.report.differences > 0) return with_details ? "NOT THE SAME AS THE SOURCE (sound in itself)" : "DIFFERS";
+  if (checked.report.differences > 0) return with_details ? "DIFFERS FROM ITS SOURCE (sound in itself)" : "DIFFERS";
   return "sound";
 }
 
@@ -161,21 +156,22 @@ Table to_table(const Request& request, const Checked& made, std::optional<Metres
   }
   table.add("checked", checked);
   if (report.true_error) {
-    table.add("mesh", fmt::format("{} vertices, {} triangles", counted(report.vertices), counted(report.triangles)));
-    table.add("tolerance", tolerance ? metres(tolerance->value) : "the finest of the database");
+    table.add("mesh", mesh_text(report.vertices, report.triangles));
+    table.add("tolerance", tolerance ? metres(tolerance->value) : "the finest that the database has");
     if (const std::string why = tolerance ? why_coarser(made.description, *tolerance) : ""; !why.empty())
       table.add("", why);
-    table.add("true error", fmt::format("{}, over all valid samples under the mesh", metres(report.true_error->value)));
+    table.add("true error",
+              fmt::format("{}, over all samples with data under the mesh", metres(report.true_error->value)));
     if (report.perpendicular_error)
-      table.add("", fmt::format("{} at right angles to triangles, which is what the tolerance is about",
+      table.add("", fmt::format("{} at right angles to the triangles, as the tolerance is measured",
                                 metres(report.perpendicular_error->value)));
     table.add("covered", fmt::format("{} samples", counted(report.covered_samples)));
     if (report.uncovered_samples > 0) {
       table.add("uncovered",
-                fmt::format("{} covered samples lie under no triangle", counted(report.uncovered_samples)));
+                fmt::format("{} samples that should lie under a triangle do not", counted(report.uncovered_samples)));
     }
     if (report.stray_samples > 0) {
-      table.add("stray", fmt::format("{} valid samples, corners of no finest triangle of data, lie under no triangle",
+      table.add("stray", fmt::format("{} samples with data have too few neighbours with data for a triangle",
                                      counted(report.stray_samples)));
     }
   }
@@ -193,59 +189,53 @@ Table to_table(const Request& request, const Checked& made, std::optional<Metres
   return table;
 }
 
-/// Standard error says it too, for whoever does not look at the exit code.
-Exit say(const Request& request, const Checked& checked, Exit code) {
+/// For a reader who does not look at the exit code.
+Exit report_on(const Request& request, const Checked& checked, Exit code) {
   if (code == Exit::done) return code;
   const VerifyReport& report = checked.report;
-  const std::string first = report.findings.empty() ? "the surface lies beyond its bound" : report.findings.front();
-  fmt::print(stderr, "talus: {} {}: {}\n", request.database,
-             code == Exit::corrupt ? "is damaged" : "does not keep to its source", first);
+  const std::string first = report.findings.empty() ? "a sample lies beyond the bound" : report.findings.front();
+  say(fmt::format("{} {}: {}", request.database, code == Exit::corrupt ? "is damaged" : "differs from its source",
+                  first));
   return code;
 }
 
-Exit run(const Request& request) {
-  std::optional<Metres> tolerance;
-  if (!request.tolerance.empty()) {
-    if (request.against.empty()) {
-      throw Failure(Cause::invalid_argument, "--tolerance needs --against: the true error is measured on the raster");
-    }
-    tolerance = parse_tolerance(request.tolerance);
-  }
+Exit run(Request& request) {
+  const std::optional<Metres> tolerance = request.tolerance;
+  if (tolerance && request.against.empty())
+    throw Failure(Cause::invalid_argument, "--tolerance needs --against: the error is measured on the raster");
   const Checked report = check(request, tolerance);
   if (request.json) {
     print(to_json(report, tolerance));
   } else {
     print(to_table(request, report, tolerance));
   }
-  return say(request, report, exit_of(report, tolerance));
+  return report_on(request, report, exit_of(report, tolerance));
 }
 
 }  // namespace
 
 void add_verify(CLI::App& program, Action& action) {
-  auto request = std::make_shared<Request>();
-  CLI::App* command = program.add_subcommand("verify", "Check a database, and hold it against its raster");
-  command->add_option("DATABASE", request->database, "Database file")->required()->check(is_named);
-  command->add_option("--against", request->against, "What the database was made from: rasters, folders, @LIST.txt")
-      ->option_text("DEM")
-      ->check(is_named);
-  add_input_options(*command, request->inputs);
-  command->add_option("--tolerance", request->tolerance, "Metres, 0 or more, or inf; needs --against")
-      ->option_text("M");
-  command->add_flag("--json", request->json, "Print one JSON object");
-  command->footer(
+  const auto request = std::make_shared<Request>();
+  Command command(program, "verify", "Check a database, and compare it with its source");
+  command.database(request->database);
+  command.group("Most used");
+  command.file("--against", request->against, "DEM...",
+               "Compare every sample with these rasters, folders or @LIST.txt, from which the database was made");
+  command.option("--tolerance", request->tolerance, kTolerance, "M",
+                 "Measure the error of the answer at this tolerance in metres, on every sample. Needs --against");
+  add_input_options(command, request->inputs);
+  command.finish(
+      action, request, run,
+      "Checks the checksum of the file, every page, and the samples that two pages share. Computes errors, records and "
+      "coarse levels again from the samples, and asks for answers at 0 and at 1, 2, 5 ... metres. After the first "
+      "damage "
+      "it goes on, lists the damaged rectangles, and says what to do.\n"
       "\n"
-      "Check a database against itself: the file's trees and seal, every page, what two places both hold, errors,\n"
-      "records and coarse levels computed again from the samples, and answers at 0 and at 1, 2, 5 ... metres.\n"
-      "It goes on after the first damage, lists the damaged rectangles, and says what to do.\n"
+      "With --against the raster is read by other code than that of ingest. Samples must be equal, or within what "
+      "--height-step rounded. Repeat the options for reading rasters that ingest had.\n"
       "\n"
-      "With --against also every stored sample against the raster, bit for bit, or within what --height-step of\n"
-      "ingest rounded. The raster is read by other code than ingest's; name the options for inputs that ingest had.\n"
-      "With --tolerance also the true error, in metres, of that answer: its mesh laid over every sample.\n"
-      "\n"
-      "Exit code 3: damaged. 5: sound, but it differs from its source, or a surface lies beyond its bound.\n"
+      "Exit code 3: damaged. 5: sound, but it differs from its source, or a sample lies beyond the bound.\n"
       "\nExample:\n  talus verify alps.talus --against alps.tif --tolerance 2");
-  command->callback([request, &action] { action = [request] { return run(*request); }; });
 }
 
 }  // namespace talus::app

@@ -7,11 +7,13 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
+#include "app/terminal/report.hpp"
 #include "talus/failure.hpp"
-#include "talus/stream.hpp"
 
 namespace talus::app {
 namespace {
@@ -24,7 +26,7 @@ struct Content {
 };
 
 constexpr std::string_view kDatabase = "a database", kStream = "an .rqt file";
-// What files begin with. Letters of the texts among them may be small.
+// The first bytes of files. Their letters may be lower case.
 constexpr std::array<Content, 28> kContents{{{16, "\xDE\xC0\xEF\xBE"sv, kDatabase},
                                              {0, "TALUSRQT"sv, kStream},
                                              {0, "II*\0"sv, "a GeoTIFF"},
@@ -62,7 +64,7 @@ bool begins(std::string_view bytes, const Content& content) {
                     });
 }
 
-/// Empty where it is not known, or not a file.
+/// What a file is; empty where that is not known.
 std::string_view content_of(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return {};
@@ -87,28 +89,18 @@ bool is_raster(std::string_view content) {
   return !content.ends_with("archive") && !content.ends_with("mesh") && content != "a JSON file";
 }
 
-/// A word of a shell.
-std::string quoted(const std::string& word) {
-  if (word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,:=@%") ==
-      std::string::npos)
-    return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 }  // namespace
 
 void require_database(const std::string& file) {
   const std::string_view content = content_of(file);
   if (content.empty() || content == kDatabase) return;
-  std::string remedy = "name a database, which talus ingest makes of rasters";
+  std::string remedy = "name a database; talus ingest makes one from rasters";
   if (content == kStream) {
-    remedy = "talus convert and merge read it, and talus info says what it holds";
+    remedy = "talus info, convert and merge read it";
   } else if (is_raster(content)) {
     std::filesystem::path database = file;
     database.replace_extension(".talus");
-    remedy = fmt::format("make one of it first: talus ingest {} {}", quoted(file), quoted(database.string()));
+    remedy = fmt::format("make one from it first: talus ingest {} {}", quoted(file), quoted(database.string()));
   }
   throw Failure(Cause::corrupt, fmt::format("{} is {}, not a database; {}", file, content, remedy), file);
 }
@@ -126,13 +118,22 @@ bool holds_stream(const std::string& file) {
 void require_stream(const std::string& file) {
   const std::string_view content = content_of(file);
   if (content.empty() || content == kStream) return;
-  std::string remedy = "name an .rqt file, which talus query writes";
+  std::string remedy = "name an .rqt file; talus query writes them";
   if (content == kDatabase) {
-    remedy = fmt::format("make one of it first: talus query {} --tolerance M -o answer.rqt", quoted(file));
+    remedy = fmt::format("make one from it first: talus query {} --tolerance M -o answer.rqt", quoted(file));
   } else if (is_raster(content)) {
-    remedy = "talus ingest makes a database of it, and talus query makes .rqt files of that";
+    remedy = "make a database with talus ingest, then an .rqt file with talus query";
   }
   throw Failure(Cause::corrupt, fmt::format("{} is {}, not an .rqt file; {}", file, content, remedy), file);
+}
+
+RestrictedQuadtree answer_of(Stream& stream, const std::string& file) {
+  if (auto* answer = std::get_if<RestrictedQuadtree>(&stream.content)) return std::move(*answer);
+  const auto& increment = std::get<Increment>(stream.content);
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} is an increment from {} m to {} m, not an answer; merge it into one first", file,
+                            increment.from.value, increment.added.tolerance.value),
+                file);
 }
 
 }  // namespace talus::app

@@ -1,20 +1,22 @@
 #pragma once
-// Files that the command line names, as what they are named for.
+// Opens files that the command line names, and says what they are where they are something else.
 
 #include <string>
 
 #include "talus/database.hpp"
+#include "talus/stream.hpp"
 
 namespace talus::app {
 
-/// fails  corrupt: what has other content is said to be that, and how to make a database of it; not_found, io,
-/// unsupported
+/// fails  corrupt: it is another kind of file; not_found, io, unsupported
 [[nodiscard]] Database open_database(const std::string& file, const OpenOptions& options = {});
-/// The same without opening it, for work that opens it itself.
+/// fails  corrupt: it is another kind of file
 void require_database(const std::string& file);
-/// Whether a file holds a stream, or has a stream's name and is no database.
-[[nodiscard]] bool holds_stream(const std::string& file);
-/// As require_database of a file that should be an .rqt one.
 void require_stream(const std::string& file);
+/// Whether a file holds a stream, or is named like one and is no database.
+[[nodiscard]] bool holds_stream(const std::string& file);
+/// Moves the answer out of a stream.
+/// fails  invalid_argument: it is an increment
+[[nodiscard]] RestrictedQuadtree answer_of(Stream& stream, const std::string& file);
 
 }  // namespace talus::app

@@ -10,25 +10,28 @@
 #include "ingest/raster/plain_reader.hpp"
 
 namespace talus::app {
+
 std::string name_of(const std::vector<std::string>& against) {
   return against.size() == 1 ? against.front() : fmt::format("{} and {} more", against.front(), against.size() - 1);
 }
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& difference) {
+  throw Failure(Cause::invalid_argument, difference + "; name the raster that the database was made from");
+}
+
+}  // namespace
 
 SampleReader open_truth(const std::vector<std::string>& against, const InputOptions& inputs,
                         const Description& description, const std::string& database) {
   const auto raster = std::make_shared<PlainReader>(std::vector<std::filesystem::path>{against.begin(), against.end()},
                                                     inputs, description, database);
   const GridRect ours = description.extent, theirs = raster->extent();
-  if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows()) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has {} x {} samples and {} has {} x {}: not the raster this database was made from",
-                              database, ours.cols(), ours.rows(), name_of(against), theirs.cols(), theirs.rows()));
-  }
-  if (!(ours == theirs)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} lies elsewhere than {}: not the raster this database was made from", name_of(against),
-                              database));
-  }
+  if (ours.cols() != theirs.cols() || ours.rows() != theirs.rows())
+    refuse(fmt::format("{} has {} x {} samples, and {} has {} x {}", database, ours.cols(), ours.rows(),
+                       name_of(against), theirs.cols(), theirs.rows()));
+  if (!(ours == theirs)) refuse(fmt::format("{} does not lie where {} does", name_of(against), database));
   return [raster](GridRect part) { return raster->read(part); };
 }
 
@@ -47,17 +50,15 @@ SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>&
       const auto text = [](bool is_data, double height) {
         return is_data ? fmt::format("{}", height) : std::string("no data");
       };
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("{} has {} at column {}, row {}, where {} has {}: not the raster this database was made from",
-                      database, text(is_kept, kept), p.col, p.row, name, text(is_there, there)));
+      refuse(fmt::format("{} has {} at column {}, row {}, and {} has {}", database, text(is_kept, kept), p.col, p.row,
+                         name, text(is_there, there)));
     };
     if (d.finest_tolerance > 0) {
       const RestrictedQuadtree finest = now.ask({.region = part}).quadtree;
       std::size_t i = 0;
       finest.vertices.for_each([&](GridPoint p) {
         const double kept = finest.heights[i++];
-        if (window.valid[window.index(p)] != 0) require_same(p, true, kept);  // fills of voids are the database's own
+        if (window.valid[window.index(p)] != 0) require_same(p, true, kept);  // the database fills voids itself
       });
       return window;
     }

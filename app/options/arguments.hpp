@@ -1,5 +1,5 @@
 #pragma once
-// Words of the command line that mean something to us.
+// Words of the command line, and the values they stand for.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,68 +9,91 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "talus/description.hpp"
-#include "talus/ingest.hpp"
+#include "talus/failure.hpp"
 #include "talus/question.hpp"
 #include "talus/units.hpp"
 
 namespace talus::app {
 
-/// Metres from 0 to "inf". Fails with invalid_argument, naming option and value.
-[[nodiscard]] Metres parse_tolerance(const std::string& word, const char* option = "--tolerance");
-/// "1,5,20": metres, 0 or more, finite; at least one.
-[[nodiscard]] std::vector<Metres> parse_tolerances(const std::string& word, const char* option = "--tolerances");
-/// "10ms", "0.5s": seconds, more than 0, finite.
-[[nodiscard]] double parse_time(const std::string& word);
-/// "XMIN,YMIN,XMAX,YMAX", four finite numbers; which is larger is the query's business.
-[[nodiscard]] Rectangle parse_bbox(const std::string& word);
-/// "X,Y,X,Y" and so on, two points or more, finite numbers.
-[[nodiscard]] std::vector<Position> parse_line(const std::string& word);
-/// "X Y", "X,Y", or with tabs: two finite numbers and nothing else.
-[[nodiscard]] std::optional<Position> parse_position(std::string_view text);
-/// Bytes of a line with a point.
-inline constexpr std::size_t kLongestPointLine = 4096;
-/// Points of one file.
-inline constexpr std::size_t kMostPoints = 10'000'000;
+/// A kind of value: what a person types, and how it is read.
+template <class T>
+struct Kind {
+  const char* expected;
+  std::optional<T> (*read)(std::string_view word);
+};
 
-/// A number of at least 0, finite.
-[[nodiscard]] double parse_weight(const std::string& word);
-
-/// "512MiB", "2GB", "1e9": bytes, at least one.
-[[nodiscard]] std::uint64_t parse_bytes(const std::string& word);
-/// "DX,DY" or one number for both, larger than 0.
-[[nodiscard]] std::pair<double, double> parse_cell(const std::string& word);
-/// Metres, larger than 0.
-[[nodiscard]] Metres parse_height_step(const std::string& word);
-/// A finite number or nan.
-[[nodiscard]] double parse_nodata(const std::string& word);
-/// "none", "terrain-rgb" or "terrarium".
-[[nodiscard]] ColourCode parse_decode(const std::string& word);
-/// "later" (false) or "resolution" (true).
-[[nodiscard]] bool parse_priority(const std::string& word);
-/// "vertical" or "perpendicular".
-[[nodiscard]] ErrorMetric parse_error_metric(const std::string& word);
-
-/// "constrain", "cover" or "clip".
-[[nodiscard]] Border parse_border(const std::string& word);
+/// --focus: a point, and how much the tolerance grows with each metre from it.
 struct Focus {
   double x, y, metres_per_metre;
 };
-/// "X,Y,METRES_PER_METRE", the last at least 0.
-[[nodiscard]] Focus parse_focus(const std::string& word);
 
-/// What a word lacks to name a file; empty where it lacks nothing, as CLI11 wants it of a check.
+extern const Kind<Metres> kTolerance, kMetresAboveZero;  // inf is a tolerance
+extern const Kind<std::vector<Metres>> kTolerances;      // "1,5,20", all finite
+extern const Kind<double> kSeconds;                      // "10ms", "0.5s"
+extern const Kind<double> kWeight, kNodata;              // a weight is 0 or more; no data may be nan
+extern const Kind<std::uint64_t> kBytes;                 // "512MiB", "2GB", "1e9"
+extern const Kind<std::pair<double, double>> kCell;      // "DX,DY", or one number for both
+extern const Kind<Rectangle> kBox;                       // "XMIN,YMIN,XMAX,YMAX"
+extern const Kind<Position> kPoint;                      // "X,Y" or "X Y"
+extern const Kind<std::vector<Position>> kLine;          // "X,Y,X,Y": two points or more
+extern const Kind<Focus> kFocus;                         // "X,Y,M"
+
+/// Longest line of a file of points, in bytes.
+inline constexpr std::size_t kLongestPointLine = 4096;
+/// Most points of a file.
+inline constexpr std::size_t kMostPoints = 10'000'000;
+
+/// "--tolerance takes metres, 0 or more, or inf, not \"west\"".
+[[noreturn]] void refuse(std::string_view names, std::string_view expected, std::string_view word);
+
+/// names  of the option, the longest last: "-o,--output"
+/// fails  invalid_argument
+template <class T>
+T read(const Kind<T>& kind, std::string_view names, std::string_view word) {
+  if (auto value = kind.read(word)) return *std::move(value);
+  refuse(names, kind.expected, word);
+}
+
+/// 1e5, 100k and 2.5M (a k is a thousand) are whole numbers, too.
+/// fails  invalid_argument
+[[nodiscard]] std::int64_t read_whole(std::string_view names, std::string_view word, std::int64_t least,
+                                      std::int64_t most);
+
+/// Names of the values of an enum.
+template <class T>
+using Names = std::vector<std::pair<const char*, T>>;
+
+/// The name that a mistyped word was meant to be: "; did you mean clip?". Empty where none is close.
+[[nodiscard]] std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
+/// "a, b and c", or with another last word.
+[[nodiscard]] std::string listed(const std::vector<std::string>& words, const char* last = "and");
+
+/// fails  invalid_argument: lists the names
+template <class T>
+T named(const Names<T>& choices, std::string_view option, std::string_view word) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) {
+    if (name == word) return value;
+    names.emplace_back(name);
+  }
+  throw Failure(Cause::invalid_argument,
+                fmt::format("{} takes {}, not \"{}\"{}", option, listed(names, "or"), word, did_you_mean(word, names)));
+}
+template <class T>
+const char* name_in(const Names<T>& choices, T value) {
+  for (const auto& [name, chosen] : choices) {
+    if (chosen == value) return name;
+  }
+  return "";
+}
+
+/// What is wrong with the name of a file; empty: nothing. CLI11 wants a check like this.
 [[nodiscard]] std::string is_named(const std::string& word);
 
-/// Spells a count as digits: "1e5", "100k", "2.5M" (of thousands). Returns what is wrong, or nothing, as CLI11 wants it
-/// of a transformation.
-[[nodiscard]] std::string whole_number(std::string& word);
-[[nodiscard]] inline CLI::Validator whole() { return {whole_number, ""}; }
-
-/// The arguments with "--bbox -1,2,3,4" and "--bbox -1 2 3 4" made one word, "--bbox=-1,2,3,4", and -.5 written -0.5: a
-/// number is no option.
+/// Joins "--bbox -1 2 3 4" to "--bbox=-1,2,3,4" and makes -.5 -0.5, because a negative number looks like an option.
 [[nodiscard]] std::vector<std::string> join_numbers(std::vector<std::string> arguments);
 
 }  // namespace talus::app

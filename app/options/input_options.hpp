@@ -1,25 +1,11 @@
 #pragma once
-// How rasters are read: the same words for all commands that read them.
+// Options for reading rasters, the same for all commands that do.
 
-#include <string>
-#include <vector>
-
-#include <CLI/CLI.hpp>
-
+#include "app/options/command.hpp"
 #include "talus/ingest.hpp"
 
 namespace talus::app {
 
-/// As they were typed.
-struct InputWords {
-  std::vector<std::string> nodata;
-  std::string decode = "none";
-  InputOptions options;  ///< what needs no reading
-
-  /// fails  invalid_argument: a word that means nothing
-  [[nodiscard]] InputOptions read() const;
-};
-
-void add_input_options(CLI::App& command, InputWords& words);
+void add_input_options(Command& command, InputOptions& inputs);
 
 }  // namespace talus::app

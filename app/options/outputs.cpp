@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "app/options/arguments.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "query/export/output_file.hpp"
 #include "query/export/writers.hpp"
 #include "talus/failure.hpp"
 #include "talus/raster_output.hpp"
@@ -17,29 +19,24 @@ void require_no_input(const std::string& output, const std::vector<std::string>&
   for (const std::string& input : inputs) {
     std::error_code ignored;
     if (input == "-" || input.starts_with('@') || !std::filesystem::equivalent(output, input, ignored)) continue;
-    const std::string what = output == input
-                                 ? "is an input, too, and would be lost"
-                                 : fmt::format("is the same file as the input {}, which would be lost", input);
-    throw Failure(Cause::invalid_argument, fmt::format("--output {} {}; name another file", output, what), output);
+    const std::string what = output == input ? "is an input" : fmt::format("is the same file as the input {}", input);
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("--output {} {}, which would be lost; name another file", output, what), output);
   }
 }
 
-namespace {
-
-void require_known_ending(const std::string& output) {
-  if (is_stream_file(output) || is_raster_file(output) || is_mesh_file(output)) return;
-  throw Failure(
-      Cause::invalid_argument,
-      fmt::format("cannot tell what to write to {}: the name must end in .ply, .obj, .glb, .tif, .png or .rqt", output),
-      output);
+void require_ending(const std::string& output, const std::vector<std::string>& endings) {
+  const auto ends = [&](const std::string& ending) { return output.ends_with(ending); };
+  if (std::any_of(endings.begin(), endings.end(), ends)) return;
+  throw Failure(Cause::invalid_argument,
+                fmt::format("--output {}: the name must end in {}", output, listed(endings, "or")), output);
 }
-
-}  // namespace
 
 void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
   for (const std::string& output : outputs) {
     require_no_input(output, inputs);
-    require_known_ending(output);
+    if (!is_stream_file(output) && !is_raster_file(output) && !is_mesh_file(output))
+      require_ending(output, {".ply", ".obj", ".glb", ".tif", ".png", ".rqt"});
     check_folder(output);
   }
 }
@@ -58,6 +55,13 @@ Metres write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const D
     }
   }
   return rounding;
+}
+
+void write_text(const std::string& output, const std::string& text) {
+  const HoldInterrupts whole_file_or_none;
+  OutputFile file(output);
+  file.write(text);
+  file.commit();
 }
 
 }  // namespace talus::app

@@ -1,5 +1,5 @@
 #pragma once
-// Files that answers go to.
+// The files that --output names.
 
 #include <string>
 #include <vector>
@@ -9,15 +9,17 @@
 
 namespace talus::app {
 
-/// What would fail after the work: another ending than a mesh's or a stream's, or no such folder; and what would
-/// destroy a file that is read, under whatever name.
+/// Refuses before the work what would fail after it: an unknown ending, a missing folder, an output that is an input.
 void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
-/// The last of these alone. "-" and @lists are no names of files.
+/// Refuses an output that is an input, under whatever name. "-" and @lists are no files.
 void require_no_input(const std::string& output, const std::vector<std::string>& inputs);
+void require_ending(const std::string& output, const std::vector<std::string>& endings);
 
-/// Each whole or not at all: .rqt the answer itself, any other ending its mesh.
-/// returns  how far a file's surface may lie from the answer's, see write_mesh: the largest of them
+/// Writes the answer itself to .rqt files, and its mesh to others. A file appears whole or not at all.
+/// returns  the largest distance between a file's surface and the answer's, see write_mesh
 Metres write_outputs(const RestrictedQuadtree& answer, const Mesh& mesh, const Description& description,
                      const std::vector<std::string>& outputs, const StreamOptions& options = {});
+/// Writes a whole file or none.
+void write_text(const std::string& output, const std::string& text);
 
 }  // namespace talus::app

@@ -1,7 +1,9 @@
 #include "app/options/places.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,11 +16,11 @@ namespace talus::app {
 namespace {
 
 struct Part {
-  std::uint64_t first_line = 0;  ///< of the file, from 1
+  std::uint64_t first_line = 0;  ///< number of its first line in the file, from 1
   std::vector<Position> positions;
 };
 
-/// X and Y a line; blank lines part what lies between them.
+/// Reads X and Y from each line. Blank lines separate the parts.
 std::vector<Part> read_parts(const std::string& file) {
   Lines in(file, "file of points", kLongestPointLine);
   std::vector<Part> parts;
@@ -29,15 +31,16 @@ std::vector<Part> read_parts(const std::string& file) {
       is_begun = false;
       continue;
     }
-    const std::optional<Position> position = parse_position(line);
+    const std::optional<Position> position = kPoint.read(line);
     if (!position) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{}, line {}: X and Y are expected, two numbers; \"{}\" is not that", file, in.number(),
-                                line.substr(0, 100)),
-                    file);
+      throw Failure(
+          Cause::invalid_argument,
+          fmt::format("{}, line {}: expected {}, not \"{}\"", file, in.number(), kPoint.expected, line.substr(0, 100)),
+          file);
     }
     if (++points > kMostPoints)
-      throw Failure(Cause::invalid_argument, fmt::format("{} has more than {} points", file, kMostPoints), file);
+      throw Failure(Cause::invalid_argument, fmt::format("{} has more than {} points; split it", file, kMostPoints),
+                    file);
     if (!is_begun) parts.push_back({in.number(), {}});
     is_begun = true;
     parts.back().positions.push_back(*position);
@@ -45,51 +48,31 @@ std::vector<Part> read_parts(const std::string& file) {
   return parts;
 }
 
-void repeat(CLI::Option* option) {
-  option->type_size(1)->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
 }  // namespace
 
-void add_interest(CLI::App* command, Interest& interest) {
-  repeat(command
-             ->add_option("--point", interest.points,
-                          "The sample nearest to it is a vertex; may be repeated, as all of these")
-             ->option_text("X,Y ..."));
-  repeat(command->add_option("--points", interest.point_files, "The same for a file with X and Y a line")
-             ->option_text("FILE ...")
-             ->check(is_named));
-  repeat(
-      command->add_option("--line", interest.lines, "The samples nearest to a line are vertices, one a step along it")
-          ->option_text("X,Y,X,Y,... ..."));
-  repeat(command
-             ->add_option("--lines", interest.line_files,
-                          "The same for a file with X and Y a line, and a blank line between lines")
-             ->option_text("FILE ...")
-             ->check(is_named));
+void add_places(Command& command, Places& places) {
+  command.group("Samples that must be vertices");
+  command.options("--point", places.points, kPoint, "X,Y", "The sample nearest to this point. Can be repeated");
+  command.files("--points", places.point_files, "FILE", "The same for a file with X and Y on each line");
+  command.options("--line", places.lines, kLine, "X,Y,X,Y,...",
+                  "The samples nearest to this line. The edges of the mesh need not follow it. Can be repeated");
+  command.files("--lines", places.line_files, "FILE",
+                "The same for a file with X and Y on each line, and a blank line between two lines");
 }
 
-Places read_places(const Interest& interest) {
-  Places places;
-  for (const std::string& word : interest.points) {
-    const std::optional<Position> point = parse_position(word);
-    if (!point)
-      throw Failure(Cause::invalid_argument, fmt::format("--point takes X,Y, two numbers; \"{}\" is not that", word));
-    places.points.push_back(*point);
-  }
-  for (const std::string& file : interest.point_files) {
+Places with_files_read(Places places) {
+  for (const std::string& file : places.point_files) {
     for (const Part& part : read_parts(file))
       places.points.insert(places.points.end(), part.positions.begin(), part.positions.end());
   }
-  for (const std::string& word : interest.lines) places.lines.push_back(parse_line(word));
-  for (const std::string& file : interest.line_files) {
+  for (const std::string& file : places.line_files) {
     for (Part& part : read_parts(file)) {
       if (part.positions.size() < 2) {
-        throw Failure(
-            Cause::invalid_argument,
-            fmt::format("{}, line {}: a line of one point; expected two or more, and blank lines between lines only",
-                        file, part.first_line),
-            file);
+        throw Failure(Cause::invalid_argument,
+                      fmt::format("{}, line {}: this line has one point; give it two or more, and put blank lines "
+                                  "between lines only",
+                                  file, part.first_line),
+                      file);
       }
       places.lines.push_back(std::move(part.positions));
     }

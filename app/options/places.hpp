@@ -1,36 +1,31 @@
 #pragma once
-// What the command line asks to be vertices, and where it wants which tolerance.
+// Options for points, lines and tolerances that a raster gives.
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "app/options/command.hpp"
 #include "talus/question.hpp"
 
 namespace talus::app {
 
-/// --point, --points, --line, --lines: as they were written.
-struct Interest {
-  std::vector<std::string> points, point_files, lines, line_files;
-
-  [[nodiscard]] bool is_empty() const {
-    return points.empty() && point_files.empty() && lines.empty() && line_files.empty();
-  }
-};
-void add_interest(CLI::App* command, Interest& interest);
-
-/// The same, read: CRS coordinates.
+/// Points and lines in CRS coordinates, and files with more of them.
 struct Places {
   std::vector<Position> points;
   std::vector<std::vector<Position>> lines;
-};
-/// fails  invalid_argument, io: names option or file and line
-[[nodiscard]] Places read_places(const Interest& interest);
+  std::vector<std::string> point_files, line_files;
 
-/// --tolerance-raster. Failures name the file.
+  [[nodiscard]] bool is_empty() const {
+    return points.empty() && lines.empty() && point_files.empty() && line_files.empty();
+  }
+};
+void add_places(Command& command, Places& places);
+/// Adds what the files hold.
+/// fails  invalid_argument, io: names file and line
+[[nodiscard]] Places with_files_read(Places places);
+
+/// The tolerances of --tolerance-raster. Failures name the file.
 [[nodiscard]] std::shared_ptr<const ToleranceField> tolerance_of_raster(const std::string& file,
                                                                         const Description& description,
                                                                         GridRect region);

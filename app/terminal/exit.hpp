@@ -1,9 +1,8 @@
 #pragma once
-// How the program ends.
+// Exit codes.
 
 namespace talus::app {
 
-/// The exit codes, and there are no others.
 enum class Exit : int { done = 0, failed = 1, usage = 2, corrupt = 3, full = 4, differs = 5, interrupted = 130 };
 
 }  // namespace talus::app

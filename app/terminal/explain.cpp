@@ -8,7 +8,7 @@
 namespace talus::app {
 namespace {
 
-/// A row of the table: a column of each band.
+/// A row of the table; each band is a column.
 struct Row {
   const char* name;
   const char* key;  ///< in JSON
@@ -18,16 +18,16 @@ struct Row {
 
 constexpr Row kRows[] = {
     {"in the region", "in_region", [](const BandCost& b) { return b.in_region; }},
-    {"  looked into: something above the tolerance", "wanted", [](const BandCost& b) { return b.wanted; }},
-    {"  looked into: for the border or points alone", "needed", [](const BandCost& b) { return b.needed; }},
-    {"  left out: nothing above the tolerance", "below_tolerance", [](const BandCost& b) { return b.below_tolerance; }},
-    {"  left out: finer than the level asked for", "too_fine", [](const BandCost& b) { return b.too_fine; }},
-    {"  left out: only voids", "only_voids", [](const BandCost& b) { return b.only_voids; }},
-    {"  left out with the page above", "unasked", [](const BandCost& b) { return b.unasked(); }},
-    {"beyond the region, looked into", "beyond", [](const BandCost& b) { return b.beyond; }},
-    {"outside the region, left out", "outside", [](const BandCost& b) { return b.outside; }},
+    {"  used: an error above the tolerance", "wanted", [](const BandCost& b) { return b.wanted; }},
+    {"  used: for the border or points only", "needed", [](const BandCost& b) { return b.needed; }},
+    {"  skipped: no error above the tolerance", "below_tolerance", [](const BandCost& b) { return b.below_tolerance; }},
+    {"  skipped: finer than --max-level", "too_fine", [](const BandCost& b) { return b.too_fine; }},
+    {"  skipped: only voids", "only_voids", [](const BandCost& b) { return b.only_voids; }},
+    {"  skipped with the page above", "unasked", [](const BandCost& b) { return b.unasked(); }},
+    {"beyond the region, used", "beyond", [](const BandCost& b) { return b.beyond; }},
+    {"outside the region, skipped", "outside", [](const BandCost& b) { return b.outside; }},
     {"read", "pages_read", [](const BandCost& b) { return b.pages_read; }},
-    {"found decoded", "pages_cached", [](const BandCost& b) { return b.pages_cached; }},
+    {"decoded before", "pages_cached", [](const BandCost& b) { return b.pages_cached; }},
     {"bytes read", "bytes_read", [](const BandCost& b) { return b.bytes_read; }, true},
 };
 
@@ -69,9 +69,9 @@ std::string explained_text(const QueryCost& cost, const Stages& stages) {
   std::vector<std::vector<std::string>> lines{{"pages of spacing"}};
   for (std::size_t b = cost.bands.size(); b-- > 0;) lines.front().push_back(name_of(cost.bands, b));
   for (const Row& row : kRows) {
-    const bool says_nothing =
+    const bool is_empty =
         std::all_of(cost.bands.begin(), cost.bands.end(), [&](const BandCost& band) { return row.of(band) == 0; });
-    if (says_nothing) continue;
+    if (is_empty) continue;
     lines.push_back({row.name});
     for (std::size_t b = cost.bands.size(); b-- > 0;) {
       const std::uint64_t number = row.of(cost.bands[b]);
@@ -82,7 +82,7 @@ std::string explained_text(const QueryCost& cost, const Stages& stages) {
   for (const auto& [name, seconds] : stages.done()) times.push_back({"  " + name, timed(seconds)});
   std::string text = "\n" + aligned(lines) + "\n" + aligned(times);
   if (const QueryCost& search = stages.search(); search.pages_read > 0) {
-    text += fmt::format("\nFinding the tolerance read {} pages, {}, besides these.\n", counted(search.pages_read),
+    text += fmt::format("\nThe search for the tolerance read {} more pages, {}.\n", counted(search.pages_read),
                         sized(search.bytes_read));
   }
   return text;

@@ -1,5 +1,5 @@
 #pragma once
-// What an answer read, left out and why, and where its time went.
+// What an answer read, what it left out and why, and its time.
 
 #include <chrono>
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace talus::app {
 
-/// Times of what is done one after the other.
+/// Times of stages that follow each other.
 class Stages {
  public:
-  /// What `work` returns.
+  /// Measures `work`, and returns what it returns.
   template <class Work>
   decltype(auto) time(const char* name, Work&& work) {
     const Stage stage(*this, name);
     return work();
   }
   void add(const char* name, double seconds) { done_.emplace_back(name, seconds); }
-  /// Those of a question.
+  /// Adds the stages of a question.
   void add(const QueryCost& cost);
-  /// Of the search for a budget's tolerance.
+  /// Adds the search for the tolerance of a budget.
   void add_search(const QueryCost& cost);
 
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& done() const { return done_; }

@@ -1,13 +1,13 @@
 #include "app/terminal/fields.hpp"
 
-#include <array>
 #include <utility>
 
 namespace talus::app {
 namespace {
 
-// A field whose name begins with another one's stands before it.
-constexpr std::array<std::pair<const char*, const char*>, 35> kOptions{{
+// Fields that sentences of the library name, and the options that set them.
+// Where the name of one field begins with the name of another, the longer one comes first.
+constexpr std::pair<const char*, const char*> kOptions[] = {
     {"IngestOptions::overwrite", "--overwrite"},
     {"IngestOptions::resume", "--resume"},
     {"IngestOptions::void_weight", "--void-weight"},
@@ -43,7 +43,7 @@ constexpr std::array<std::pair<const char*, const char*>, 35> kOptions{{
     {"Question::neighbours", "--match"},
     {"Question::threads", "--threads"},
     {"snapped()", "--snap 16"},
-}};
+};
 
 }  // namespace
 

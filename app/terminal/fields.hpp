@@ -1,13 +1,12 @@
 #pragma once
-// The library names fields of its options; people type options of the command line.
+// Sentences of the library name fields; people type options.
 
 #include <string>
 #include <vector>
 
 namespace talus::app {
 
-/// A sentence of the library with each field it names, such as `InputOptions::allow_outside`, as the option that sets
-/// it.
+/// Replaces the names of fields in a sentence, such as `InputOptions::allow_outside`, by the options that set them.
 [[nodiscard]] std::string with_options(std::string sentence);
 [[nodiscard]] std::vector<std::string> with_options(std::vector<std::string> sentences);
 

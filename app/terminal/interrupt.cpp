@@ -17,7 +17,7 @@ volatile std::sig_atomic_t noted = 0;
 void install(void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;  // what is being read or written goes on until somebody looks
+  action.sa_flags = SA_RESTART;  // a read or a write goes on until somebody asks interrupted()
   sigemptyset(&action.sa_mask);
   for (const int signal : kSignals) {
     struct sigaction before {};

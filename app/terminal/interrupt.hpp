@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C, or a terminal that is closed: exit code 130, and nothing half-written stays.
+// Ctrl-C, or a closed terminal: exit code 130, and no half-written file stays.
 
 #include <csignal>
 #include <string>
@@ -8,16 +8,16 @@ namespace talus::app {
 
 /// From now on SIGINT, SIGTERM and SIGHUP (unless ignored, as under nohup) end the program with exit code 130.
 void exit_when_interrupted();
-/// From now on they are only noted, for work that unwinds on its own.
+/// From now on they are only noted, for work that asks interrupted() and ends itself.
 void note_interrupts();
 [[nodiscard]] bool interrupted();
 
-/// Thrown to unwind after an interrupt; no failure, so not a Failure.
+/// Thrown after an interrupt. It is not a Failure.
 struct Interrupted {
   std::string sentence = "interrupted";
 };
 
-/// Puts interrupts off while a file is written and named.
+/// Delays interrupts while a file is written and named.
 class HoldInterrupts {
  public:
   HoldInterrupts();

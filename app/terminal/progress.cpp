@@ -8,12 +8,11 @@
 
 #include "app/terminal/report.hpp"
 #include "app/terminal/say.hpp"
-#include "talus/failure.hpp"
 
 namespace talus::app {
 namespace {
 
-constexpr double kQuiet = 1.0;     // seconds before anything is said
+constexpr double kQuiet = 1.0;     // seconds before the first line
 constexpr double kInterval = 0.2;  // seconds between lines
 
 std::string line_of(const IngestProgress& now) {
@@ -31,13 +30,6 @@ std::string line_of(const IngestProgress& now) {
 }
 
 }  // namespace
-
-Telling parse_telling(const std::string& word) {
-  if (word == "auto") return Telling::people;
-  if (word == "json") return Telling::json;
-  if (word == "none") return Telling::nobody;
-  throw Failure(Cause::invalid_argument, fmt::format("--progress takes auto, json or none; \"{}\" is not that", word));
-}
 
 Progress::Progress(Telling telling)
     : telling_(telling == Telling::people && ::isatty(STDERR_FILENO) != 1 ? Telling::nobody : telling) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Progress on standard error: as GDAL prints it, or as JSON for programs.
+// Progress on standard error, in the style of GDAL or as JSON.
 
 #include <chrono>
 #include <string>
@@ -8,14 +8,12 @@
 
 namespace talus::app {
 
-/// How to tell: on a terminal only, as one JSON object a line, or not at all.
+/// Who reads the progress: people at a terminal, a program that wants a JSON object on each line, or nobody.
 enum class Telling { people, json, nobody };
-/// "auto", "json" or "none". Fails with invalid_argument.
-[[nodiscard]] Telling parse_telling(const std::string& word);
 
 /// 0...10...20...30  tiles, 12.3 million samples/s, 12 s left
 ///
-/// Written over itself from the first second on; silent where standard error is no terminal.
+/// One line that is overwritten, from the first second on. Silent where standard error is not a terminal.
 class Progress {
  public:
   explicit Progress(Telling telling = Telling::people);

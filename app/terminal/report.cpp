@@ -74,13 +74,33 @@ std::string metres(double value) { return std::isinf(value) ? "infinite" : fmt::
 
 std::string rounded(double value) { return fmt::format("{:.7g}", value); }
 
+std::string quoted(const std::string& word) {
+  if (word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,:=@%") ==
+      std::string::npos)
+    return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 Json bounds(const Description& d, GridRect region) {
   return Json::array({d.mapping.x(region.first.col), d.mapping.y(region.last.row), d.mapping.x(region.last.col),
                       d.mapping.y(region.first.row)});
 }
 
-std::string clipped_text(const std::string& bbox) {
-  return fmt::format("the rectangle {} reaches beyond the raster: the answer ends where the raster does", bbox);
+std::string bounds_text(const Description& d, GridRect region) {
+  return fmt::format("x {} to {}, y {} to {} ({} x {} samples)", d.mapping.x(region.first.col),
+                     d.mapping.x(region.last.col), d.mapping.y(region.last.row), d.mapping.y(region.first.row),
+                     region.cols(), region.rows());
+}
+
+std::string clipped_text(const Rectangle& r) {
+  return fmt::format("the rectangle {},{},{},{} reaches beyond the raster and was cut", r.xmin, r.ymin, r.xmax, r.ymax);
+}
+
+void add_rectangle(Json& object, const Rectangle& asked, bool is_clipped) {
+  object["asked"] = Json::array({asked.xmin, asked.ymin, asked.xmax, asked.ymax});
+  object["clipped"] = is_clipped;
 }
 
 std::string bound_text(const Description& d, Metres bound) {
@@ -92,15 +112,34 @@ std::string bound_text(const Description& d, Metres bound) {
 std::string why_coarser(const Description& d, Metres tolerance) {
   const double finest = std::max(d.lossy_metres, d.finest_tolerance);
   if (tolerance.value >= finest) return "";
-  return fmt::format("the finest there is: {}", d.finest_tolerance > 0
-                                                    ? fmt::format("ingest kept the vertices of {} m", finest)
-                                                    : fmt::format("ingest rounded heights by up to {} m", finest));
+  return d.finest_tolerance > 0 ? fmt::format("ingest kept only the vertices for {} m", finest)
+                                : fmt::format("ingest rounded heights by up to {} m", finest);
 }
 
-std::string bounds_text(const Description& d, GridRect region) {
-  return fmt::format("x {} to {}, y {} to {} ({} x {} samples)", d.mapping.x(region.first.col),
-                     d.mapping.x(region.last.col), d.mapping.y(region.last.row), d.mapping.y(region.first.row),
-                     region.cols(), region.rows());
+void add_bound(Json& object, const Description& d, Metres tolerance, Metres bound) {
+  object["tolerance"] = tolerance.value;
+  object["bound"] = bound.value;
+  object["error_metric"] = name_of(d.error_metric);
+}
+
+void add_bound(Table& table, const Description& d, Metres tolerance, Metres bound) {
+  table.add("tolerance", metres(tolerance.value));
+  table.add("bound", bound_text(d, bound));
+}
+
+std::string mesh_text(std::uint64_t vertices, std::uint64_t triangles) {
+  return fmt::format("{} vertices, {} triangles", counted(vertices), counted(triangles));
+}
+
+void add_cost(Json& object, const QueryCost& cost, double seconds) {
+  object["pages_read"] = cost.pages_read;
+  object["bytes_read"] = cost.bytes_read;
+  object["seconds"] = seconds;
+}
+
+void add_cost(Table& table, const QueryCost& cost, double seconds) {
+  table.add("read", fmt::format("{} pages, {}", counted(cost.pages_read), sized(cost.bytes_read)));
+  table.add("time", timed(seconds));
 }
 
 }  // namespace talus::app

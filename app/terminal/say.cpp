@@ -20,14 +20,14 @@ void write_to_log(std::string_view text) noexcept {
   while (!text.empty()) {
     const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return;  // nobody can be told
+    if (written <= 0) return;  // nobody reads it
     text.remove_prefix(static_cast<std::size_t>(written));
   }
 }
 
 void say(std::string sentence) {
   sentence = "talus: " + with_options(std::move(sentence));
-  // One line, whatever a file name holds.
+  // A file name may hold a line feed.
   std::replace_if(
       sentence.begin(), sentence.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
   end_progress();

@@ -146,7 +146,7 @@ TEST_F(Accuracy, ReportsAreWellFormed) {
     if (more.size() == 2 && more.front() == "--tolerances") question.erase(question.begin() + 6, question.begin() + 8);
     const Outcome outcome = talus(question);
     ASSERT_EQ(outcome.exit_code, done) << outcome.err;
-    EXPECT_THAT(outcome.out, ::testing::HasSubstr("written: r.svg\nwritten: r.html\n"));
+    EXPECT_THAT(outcome.out, ::testing::HasSubstr("output: r.svg\noutput: r.html\n"));
     const std::string maps = more.size() == 2 && more.front() == "--window" ? " image=9 " : " image=1 ";
     EXPECT_THAT(elements("r.svg"), ::testing::HasSubstr(maps));
     EXPECT_THAT(elements("r.svg"), ::testing::HasSubstr(" svg=1 "));
@@ -186,7 +186,7 @@ TEST_F(Accuracy, ErrorsOfRoundedHeightsAreAgainstTheSource) {
   ASSERT_EQ(talus({"ingest", "a.tif", "b.talus", "--height-step", "8"}).exit_code, done);
   const auto own = json_of(talus({"accuracy", "b.talus", "--tolerances", "4", "--json"}));
   EXPECT_EQ(own["points"][0]["largest_error"], 0);
-  EXPECT_THAT(own["notes"].dump(), ::testing::HasSubstr("against the rounded ones"));
+  EXPECT_THAT(own["notes"].dump(), ::testing::HasSubstr("against the rounded heights"));
   const auto source = json_of(talus({"accuracy", "b.talus", "--tolerances", "4", "--against", "a.tif", "--json"}));
   EXPECT_EQ(source["points"][0]["largest_error"], 4);
   EXPECT_THAT(source["notes"].dump(), ::testing::HasSubstr("rounded heights by up to 4 m"));

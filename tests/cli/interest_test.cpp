@@ -79,7 +79,7 @@ TEST_F(Interest, SaysHowManyVerticesAreForThemAlone) {
   EXPECT_EQ(with["point_vertices"], answer(places).vertices.size() - answer({}).vertices.size());
   EXPECT_GT(with["void_points"], 0) << "the line begins amid the hole";
   const Outcome text = query(places);
-  EXPECT_THAT(text.out, HasSubstr("for them alone"));
+  EXPECT_THAT(text.out, HasSubstr("extra vertices for them"));
   EXPECT_THAT(text.err, HasSubstr("have no data"));
   const auto only_void = asked({"--point=450765,5199235"});
   EXPECT_EQ(only_void["void_points"], 1);

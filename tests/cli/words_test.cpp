@@ -57,19 +57,19 @@ TEST_F(Words, NotesGoToStandardErrorALineEach) {
 
 TEST_F(Words, AQueryThatWritesNothingSaysSo) {
   const Outcome outcome = must({"query", "a.talus", "--tolerance", "5"});
-  EXPECT_EQ(outcome.err, "talus: note: nothing written; add -o FILE to keep the mesh\n");
+  EXPECT_EQ(outcome.err, "talus: note: nothing was written; add -o FILE to keep the mesh\n");
   EXPECT_EQ(must({"query", "a.talus", "--tolerance", "5", "-o", "a.ply"}).err, "");
   EXPECT_THAT(must({"query", "a.talus", "--from", "9", "--tolerance", "5"}).err,
-              HasSubstr("nothing written; add -o FILE"));
+              HasSubstr("nothing was written; add -o FILE.rqt"));
   const auto json = json_of(must({"query", "a.talus", "--tolerance", "5", "--json"}));
-  EXPECT_THAT(json["notes"].dump(), HasSubstr("nothing written"));
+  EXPECT_THAT(json["notes"].dump(), HasSubstr("nothing was written"));
 }
 
 TEST_F(Words, AnAccuracyReportsCaveatsAreNotes) {
   must({"ingest", "a.tif", "few.talus", "--tolerance", "5"});
   const Outcome outcome = must({"accuracy", "few.talus", "--tolerances", "10"});
-  EXPECT_THAT(outcome.err, HasSubstr("talus: note: The database keeps the vertices"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("The database keeps the vertices")));
+  EXPECT_THAT(outcome.err, HasSubstr("talus: note: the database keeps only the vertices"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("the database keeps only the vertices")));
 }
 
 TEST_F(Words, AnInterruptedIngestSaysSoOnALineOfItsOwn) {
@@ -229,7 +229,7 @@ TEST_F(Words, MergeBlamesTheFileAtFault) {
 // ---- a file of another kind -----------------------------------------------------------------------------------
 
 TEST_F(Words, ARasterWhereADatabaseIsExpectedIsNamed) {
-  const std::string remedy = "a.tif is a GeoTIFF, not a database; make one of it first: talus ingest a.tif a.talus\n";
+  const std::string remedy = "a.tif is a GeoTIFF, not a database; make one from it first: talus ingest a.tif a.talus\n";
   for (const auto& arguments :
        std::vector<std::vector<std::string>>{{"info", "a.tif"},
                                              {"query", "a.tif", "--tolerance", "1"},
@@ -247,7 +247,7 @@ TEST_F(Words, ARasterWhereADatabaseIsExpectedIsNamed) {
 
 TEST_F(Words, OtherFilesWhereADatabaseIsExpectedAreNamed) {
   for (const auto& [name, bytes, said] : std::vector<std::tuple<std::string, std::string, std::string>>{
-           {"x.png", "\x89PNG\r\n\x1a\n", "a PNG, not a database; make one of it first: talus ingest x.png x.talus"},
+           {"x.png", "\x89PNG\r\n\x1a\n", "a PNG, not a database; make one from it first: talus ingest x.png x.talus"},
            {"big.tif", std::string("MM\0+\0\x08\0\0", 8), "a GeoTIFF"},
            {"x.nc", "\x89HDF\r\n\x1a\n", "netCDF"},
            {"x.asc", "ncols 5\nnrows 4\n", "an ASCII grid"},
@@ -272,7 +272,7 @@ TEST_F(Words, AStreamAndADatabaseAreNotTakenForEachOther) {
   const Outcome convert = talus({"convert", "a.talus", "-o", "x.ply"});
   EXPECT_EQ(convert.exit_code, damaged);
   EXPECT_THAT(convert.err,
-              HasSubstr("a.talus is a database, not an .rqt file; make one of it first: talus query a.talus"));
+              HasSubstr("a.talus is a database, not an .rqt file; make one from it first: talus query a.talus"));
   EXPECT_THAT(talus({"query", "a.talus", "--tolerance", "1", "--match", "a.tif"}).err,
               HasSubstr("a.tif is a GeoTIFF, not an .rqt file"));
   EXPECT_THAT(must({"info", "stream.talus"}).out, HasSubstr("an answer"));
