@@ -189,8 +189,6 @@ TEST_F(HelpPages, AMistypedNameIsAnsweredWithTheNearestOne) {
       {{"profile", "a.talus", "--tolerance=2", "--lin=1,2,3,4"}, "--line"},
       {{"query", "a.talus", "--tolerance=2", "--border", "clp"}, "clip"},
       {{"query", "a.talus", "--tolerance=2", "--heights", "fited"}, "fitted"},
-      {{"query", "a.talus", "--tolerance=2", "--profile", "smal"}, "small"},
-      {{"ingest", "a.tif", "b.talus", "--error", "nest"}, "nested"},
       {{"ingest", "a.tif", "b.talus", "--metric", "perpendiclar"}, "perpendicular"},
       {{"ingest", "a.tif", "b.talus", "--decode", "terarium"}, "terrarium"},
       {{"ingest", "a.tif", "b.talus", "--priority", "resolutoin"}, "resolution"},

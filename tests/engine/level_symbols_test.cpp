@@ -19,8 +19,6 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr StreamProfile kProfile = StreamProfile::balanced;
-
 TEST(LevelSymbols, StripesAreAllRowsOnceOfAboutAsManyEach) {
   for (const std::int32_t rows : {0, 1, 2, 7, 100, 268435456}) {
     for (const std::size_t stripes : {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{64}}) {
@@ -159,8 +157,8 @@ void expect_levels_come_back() {
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    LevelEncoder<Code> encoder(kProfile);
-    LevelDecoder<Code> forward(kProfile), backward(kProfile);
+    LevelEncoder<Code> encoder;
+    LevelDecoder<Code> forward, backward;
     for (int levels = random.between(1, 6); levels > 0; --levels) {  // tables may serve the next level, too
       Level<Code> level = random_level<Code>(random), back;
       const Bytes bytes = encoded(encoder, level);
@@ -181,10 +179,10 @@ TEST(LevelSymbols, ALevelLikeTheOneBeforeUsesItsTables) {
   Random random(2);
   Level<std::int32_t> level = random_level<std::int32_t>(random);
   while (!has_vertices(level)) level = random_level<std::int32_t>(random);
-  LevelEncoder<std::int32_t> encoder(kProfile);
+  LevelEncoder<std::int32_t> encoder;
   const Bytes first = encoded(encoder, level), second = encoded(encoder, level);
   EXPECT_LT(second.size(), first.size());
-  LevelDecoder<std::int32_t> decoder(kProfile);
+  LevelDecoder<std::int32_t> decoder;
   Level<std::int32_t> back;
   EXPECT_FALSE(decoded(decoder, second, level, back)) << "without the tables it is damaged";
   ASSERT_TRUE(decoded(decoder, first, level, back));
@@ -200,7 +198,7 @@ void for_each_encoded(std::uint64_t seeds, Visit&& visit) {
     Random random(seed);
     Level<Code> level = random_level<Code>(random);
     if (!has_vertices(level)) continue;
-    LevelEncoder<Code> encoder(kProfile);
+    LevelEncoder<Code> encoder;
     visit(random, encoded(encoder, level), level);
   }
 }
@@ -209,12 +207,12 @@ TEST(LevelSymbols, EveryTruncationIsRefused) {
   for_each_encoded<std::int32_t>(10, [](Random&, const Bytes& bytes, const Level<std::int32_t>& level) {
     Level<std::int32_t> back;
     for (std::size_t size = 1; size < bytes.size(); ++size) {  // no bytes at all: every candidate is absent
-      LevelDecoder<std::int32_t> decoder(kProfile);
+      LevelDecoder<std::int32_t> decoder;
       EXPECT_FALSE(decoded(decoder, std::span(bytes).first(size), level, back)) << size << " of " << bytes.size();
     }
     Bytes longer = bytes;
     longer.push_back(std::byte{0});
-    LevelDecoder<std::int32_t> decoder(kProfile);
+    LevelDecoder<std::int32_t> decoder;
     EXPECT_FALSE(decoded(decoder, longer, level, back));
   });
 }
@@ -231,7 +229,7 @@ TEST(LevelSymbols, AStripeThatIsNotReadToItsEndIsDamaged) {
       rows.pop_back();
     }
     if (vertices < 20) return;
-    LevelDecoder<std::int32_t> decoder(kProfile);
+    LevelDecoder<std::int32_t> decoder;
     EXPECT_FALSE(decoded(decoder, bytes, fewer, back));
   });
 }
@@ -247,12 +245,12 @@ TEST(LevelSymbols, AShiftOfMoreBitsThanACodeHasIsRefused) {
     }
     half = {{told}};
   }
-  LevelEncoder<std::int32_t> encoder(kProfile);
+  LevelEncoder<std::int32_t> encoder;
   Bytes bytes = encoded(encoder, level);
   ASSERT_EQ(bytes[1], std::byte{0}) << "the shift stands behind the number of stripes";
   for (const int shift : {32, 63, 64, 255}) {
     bytes[1] = static_cast<std::byte>(shift);
-    LevelDecoder<std::int32_t> decoder(kProfile);
+    LevelDecoder<std::int32_t> decoder;
     EXPECT_THROW(static_cast<void>(decoder.start(bytes)), Failure) << shift;
   }
 }
@@ -269,7 +267,7 @@ void expect_any_bytes_are_harmless() {
       }
       for (int flips = random.between(1, 4); flips > 0; --flips)
         other[static_cast<std::size_t>(random.next() % other.size())] ^= static_cast<std::byte>(random.between(1, 255));
-      LevelDecoder<Code> decoder(kProfile);
+      LevelDecoder<Code> decoder;
       Level<Code> back;
       if (!decoded(decoder, other, level, back)) {
         ++refused;
