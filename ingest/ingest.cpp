@@ -3,8 +3,7 @@
 #include <optional>
 #include <span>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/page/manifest.hpp"
 #include "ingest/job/job.hpp"
 #include "ingest/job/left_work.hpp"
@@ -40,9 +39,8 @@ void require_same_work(const LeftWork& left, const std::string& plan, const Sour
                        const IngestOptions& options, const std::filesystem::path& part) {
   const std::string why = obstacle(left, plan, source, files, options);
   if (why.empty()) return;
-  throw Failure(Cause::invalid_argument,
-                fmt::format("{}: cannot be resumed: {}. Start again with IngestOptions::overwrite", part.string(), why),
-                part);
+  fail_in(part, Cause::invalid_argument, "{}: cannot be resumed: {}. Start again with IngestOptions::overwrite",
+          part.string(), why);
 }
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <span>
-#include <variant>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/job/changes.hpp"
 #include "ingest/job/existing_database.hpp"
@@ -22,20 +20,15 @@ Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t
   Window window{part, codes_of_kind(kind, static_cast<std::size_t>(part.samples())), {}};
   window.valid.assign(static_cast<std::size_t>(part.samples()), 0);
   const GridRect fresh = common(part, source.description().extent);
-  if (fresh.cols() > 0 && fresh.rows() > 0) {
+  if (!is_empty(fresh)) {
     const Window read = source.read(fresh);
-    for (std::int32_t row = fresh.first.row; row <= fresh.last.row; ++row) {
-      for (std::int32_t col = fresh.first.col; col <= fresh.last.col; ++col) {
-        const std::size_t from = index_in(fresh, {col, row}), to = index_in(part, {col, row});
-        if (!read.valid.empty() && !read.valid[from]) continue;
-        window.valid[to] = 1;
-        std::visit(
-            [&](auto& codes, const auto& read_codes) {
-              codes[to] = static_cast<typename std::remove_reference_t<decltype(codes)>::value_type>(read_codes[from]);
-            },
-            window.codes, read.codes);
-      }
-    }
+    const CodeSpan codes = view(read.codes);
+    for_each_point(fresh, [&](GridPoint p) {
+      const std::size_t from = index_in(fresh, p), to = index_in(part, p);
+      if (!read.valid.empty() && !read.valid[from]) return;
+      window.valid[to] = 1;
+      set_code(window.codes, to, code_at(codes, from));
+    });
   }
   base.fill(window);
   if (std::find(window.valid.begin(), window.valid.end(), 0) == window.valid.end()) window.valid.clear();
@@ -44,20 +37,19 @@ Window laid_over(const ExistingDatabase& base, const Source& source, std::size_t
 
 void require_same_heights(const Description& base, const Description& fresh) {
   if (base.step == fresh.step && base.metres_per_unit == fresh.metres_per_unit) return;
-  throw Failure(
-      Cause::unsupported,
-      fmt::format("{}: one unit of its numbers is {} {}, one unit of the database's is {} {}. Convert the new "
-                  "data first (gdal_translate -scale or -unscale)",
-                  fresh.source_name, fresh.step.scale / fresh.step.divisor, fresh.vertical_unit,
-                  base.step.scale / base.step.divisor, base.vertical_unit));
+  fail(Cause::unsupported,
+       "{}: one unit of its numbers is {} {}, one unit of the database's is {} {}. Convert the new data first "
+       "(gdal_translate -scale or -unscale)",
+       fresh.source_name, fresh.step.scale / fresh.step.divisor, fresh.vertical_unit,
+       base.step.scale / base.step.divisor, base.vertical_unit);
 }
 
 void require_all_samples(const Description& base, const std::filesystem::path& database) {
   if (base.finest_tolerance == 0) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{}: keeps only the vertices for tolerances of {} m and more, so errors beside new data "
-                            "cannot be computed. Ingest all sources again",
-                            database.string(), base.finest_tolerance));
+  fail(Cause::unsupported,
+       "{}: keeps only the vertices for tolerances of {} m and more, so errors beside new data cannot be computed. "
+       "Ingest all sources again",
+       database.string(), base.finest_tolerance);
 }
 
 /// A database, its new inputs, and what they change.

@@ -2,16 +2,15 @@
 
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "engine/geo/longitude.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "query/ask.hpp"
+#include "query/pages/nearby_pages.hpp"
 #include "query/pages/placed_rectangle.hpp"
-#include "query/selection/vertex_errors.hpp"
+#include "query/selection/refusals.hpp"
 #include "query/snapshot_view.hpp"
 #include "query/surface/heights.hpp"
-#include "query/surface/profile.hpp"
 
 namespace talus {
 
@@ -113,10 +112,8 @@ std::optional<double> Snapshot::height(double x, double y, std::optional<Metres>
 
 QueryCost Snapshot::heights(std::span<const Position> points, std::span<std::optional<double>> out,
                             std::optional<Metres> surface) const {
-  if (points.size() != out.size()) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} points, and room for {} heights: expected as many", points.size(), out.size()));
-  }
+  if (points.size() != out.size())
+    refuse("{} points, and room for {} heights: expected as many", points.size(), out.size());
   return within_memory([&] {
     if (!surface) return sampled_heights(view_->pages, points, out);
     return surface_heights(view_->pages, view_->pages.extent_border(), *surface, points, out);
@@ -132,15 +129,29 @@ SampleWindow Snapshot::samples(GridRect region) const {
 }
 
 Increment increment_of(Answer answer) {
-  if (!answer.from)
-    throw Failure(Cause::invalid_argument,
-                  "the answer is whole: only one to a question with Question::from has an "
-                  "increment");
+  if (!answer.from) refuse("the answer is whole: only one to a question with Question::from has an increment");
   return {std::move(answer.quadtree), *answer.from, std::move(answer.cost)};
 }
 
 std::vector<double> errors_of(const Snapshot& now, const RestrictedQuadtree& answer) {
-  return within_memory([&] { return vertex_errors(pages_of(now), answer); });
+  return within_memory([&] {
+    std::vector<double> errors;
+    if (answer.vertices.size() == 0) return errors;
+    const StoredPages& pages = pages_of(now);
+    require_inside(pages, answer.vertices.region());
+    errors.reserve(answer.vertices.size());
+    QueryCost unused;
+    NearbyPages nearby(pages, unused);  // rows of vertices come back to the same pages: the cache has them
+    answer.vertices.for_each([&](GridPoint p) {
+      const Page* page = nearby.page_of_vertex(p);
+      if (page == nullptr) {
+        fail_in(pages.file(), Cause::corrupt, "corrupt: {}: no page has the error of the vertex at column {}, row {}",
+                pages.file().string(), p.col, p.row);
+      }
+      errors.push_back(page->error_m(page->index(p), pages.distance()));
+    });
+    return errors;
+  });
 }
 
 bool is_inside(const Snapshot& now, Position point) {

@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/merge.hpp"
 #include "query/pages/watch.hpp"
 #include "query/selection/refusals.hpp"
@@ -86,11 +85,10 @@ RestrictedQuadtree apply(const RestrictedQuadtree& client, const Difference& dif
   if (difference.starts_over) return added;
   if (client.origin != added.origin || !(client.region == difference.region_before) ||
       client.tolerance != difference.added.from) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("the difference goes on from another answer, at {} m, than the client has, at {} m: ask for one "
-                    "that starts over",
-                    difference.added.from.value, client.tolerance.value));
+    refuse(
+        "the difference goes on from another answer, at {} m, than the client has, at {} m: ask for one that starts "
+        "over",
+        difference.added.from.value, client.tolerance.value);
   }
   return difference.is_increment ? merge(client, difference.added) : united(client, difference.removed, added);
 }

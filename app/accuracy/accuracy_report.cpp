@@ -370,10 +370,9 @@ std::string accuracy_svg(const AccuracyReport& report, const AccuracyNames& name
   return svg_document(kWidth, std::max(note, below + height) + 10, body);
 }
 
-std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& names) {
-  const auto chart = [](const Chart& c) {
-    return "<figure>" + svg_document(580, 380, drawn(c, {0, 0, 580, 380})) + "</figure>\n";
-  };
+namespace {
+
+std::string html_table(const AccuracyReport& report) {
   std::string table = "<table>\n";
   const auto rows = rows_of(report);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -382,14 +381,11 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
     for (const std::string& cell : rows[i]) table += fmt::format("<{0}>{1}</{0}>", i == 0 ? "th" : "td", xml(cell));
     table += "</tr>\n";
   }
-  table += "</table>\n";
-  std::string advice = "<p class=\"advice\">" + xml(recommendation(report)) + "</p>\n<ul>\n";
-  for (const AccuracyPoint* p : {advised(report), compared(report)}) {
-    if (p != nullptr) advice += "<li>" + xml(what_it_is(report, *p)) + "</li>\n";
-  }
-  advice += "</ul>\n";
-  if (const std::string follow = command(report, names); !follow.empty()) advice += "<pre>" + xml(follow) + "</pre>\n";
-  if (const std::string took = followed_text(names); !took.empty()) advice += "<p>" + xml(took) + "</p>\n";
+  return table + "</table>\n";
+}
+
+/// How the figures were measured.
+std::string html_terms(const AccuracyReport& report, const AccuracyNames& names) {
   std::string terms = "<dl>\n";
   const auto add = [&](const char* term, const std::string& text) {
     terms += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, xml(text));
@@ -403,7 +399,22 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
   add("Cold", cold_text(report) + ".");
   add("Threads", fmt::format("{}, for answers of a million samples or more.", report.threads));
   for (const std::string& sentence : caveats(report, names)) add("Note", sentence + ".");
-  terms += "</dl>\n";
+  return terms + "</dl>\n";
+}
+
+}  // namespace
+
+std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& names) {
+  const auto chart = [](const Chart& c) {
+    return "<figure>" + svg_document(580, 380, drawn(c, {0, 0, 580, 380})) + "</figure>\n";
+  };
+  std::string advice = "<p class=\"advice\">" + xml(recommendation(report)) + "</p>\n<ul>\n";
+  for (const AccuracyPoint* p : {advised(report), compared(report)}) {
+    if (p != nullptr) advice += "<li>" + xml(what_it_is(report, *p)) + "</li>\n";
+  }
+  advice += "</ul>\n";
+  if (const std::string follow = command(report, names); !follow.empty()) advice += "<pre>" + xml(follow) + "</pre>\n";
+  if (const std::string took = followed_text(names); !took.empty()) advice += "<p>" + xml(took) + "</p>\n";
   std::string maps;
   if (!report.maps.empty()) {
     const bool several = report.maps.size() > 1;
@@ -444,7 +455,7 @@ dd {{ margin: 0 0 .4em 0; }}
 )",
                      xml(names.database), advice,
                      chart(time_chart(report)) + chart(bytes_chart(report)) + chart(vertices_chart(report)), maps,
-                     table, terms);
+                     html_table(report), html_terms(report, names));
 }
 
 }  // namespace talus::app

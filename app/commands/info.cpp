@@ -2,7 +2,7 @@
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/answer_options.hpp"
+#include "app/options/shared_options.hpp"
 #include "app/terminal/fields.hpp"
 #include "app/terminal/report.hpp"
 #include "talus/database.hpp"

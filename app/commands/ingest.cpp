@@ -6,7 +6,7 @@
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/input_options.hpp"
+#include "app/options/shared_options.hpp"
 #include "app/terminal/fields.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "app/terminal/progress.hpp"

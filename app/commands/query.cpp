@@ -2,9 +2,9 @@
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/answer_options.hpp"
 #include "app/options/outputs.hpp"
 #include "app/options/places.hpp"
+#include "app/options/shared_options.hpp"
 #include "app/terminal/explain.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "app/terminal/report.hpp"
@@ -182,6 +182,54 @@ Exit write_increment(const Request& request, const Snapshot& now, const Question
   return Exit::done;
 }
 
+/// An answer, and what is printed of it.
+struct Result {
+  const Request& request;
+  const Description& description;
+  const Question& question;
+  const Answer& answer;
+  const Mesh& mesh;
+  Metres tolerance, bound;
+  bool is_clipped;
+};
+
+Json json_of(const Result& r) {
+  Json object{{"region", bounds(r.description, r.mesh.region)}};
+  add_bound(object, r.description, r.tolerance, r.bound);
+  object.update({{"vertices", r.mesh.size()},
+                 {"triangles", r.mesh.triangles.size()},
+                 {"quantum", r.answer.quadtree.origin.quantum.value},
+                 {"border_vertices", r.answer.border_vertices},
+                 {"matching_vertices", r.answer.matching_vertices},
+                 {"unmatched_vertices", r.answer.unmatched.size()},
+                 {"point_vertices", r.answer.point_vertices},
+                 {"void_points", r.answer.void_points}});
+  if (r.request.bbox) add_rectangle(object, *r.request.bbox, r.is_clipped);
+  return object;
+}
+
+Table table_of(const Result& r) {
+  const std::string& raster = r.request.tolerance_raster;
+  const auto extra = [](std::uint64_t vertices, const char* why) {
+    return fmt::format("{} extra vertices{}", counted(vertices), why);
+  };
+  Table table;
+  table.add("region", bounds_text(r.description, r.mesh.region));
+  add_bound(table, r.description, r.tolerance, r.bound);
+  if (!raster.empty()) table.add("varies", fmt::format("{} or more, by {}", metres(r.tolerance.value), raster));
+  if (const std::string why = why_coarser(r.description, r.tolerance); !why.empty()) table.add("", why);
+  table.add("mesh", mesh_text(r.mesh.size(), r.mesh.triangles.size()));
+  if (r.question.heights.kind != HeightKind::exact)
+    table.add("heights", fmt::format("multiples of {} m", r.answer.quadtree.origin.quantum.value));
+  table.add("border", extra(r.answer.border_vertices, ", so that neighbouring rectangles meet"));
+  if (!r.question.neighbours.empty()) table.add("match", extra(r.answer.matching_vertices, " to meet the neighbours"));
+  if (!r.request.places.is_empty()) {
+    table.add("points",
+              fmt::format("{} samples, {}", counted(r.answer.points), extra(r.answer.point_vertices, " for them")));
+  }
+  return table;
+}
+
 Exit run(Request& request) {
   require_tolerance(request);
   require_fit_for_streams(request);
@@ -222,41 +270,29 @@ Exit run(Request& request) {
 
   const std::vector<std::string> remarks = remarks_on(request, answer, mesh, is_clipped);
   notes(remarks);
+  const Result result{request, description, question, answer, mesh, tolerance, bound, is_clipped};
   if (request.json) {
-    Json object{{"region", bounds(description, mesh.region)}};
-    add_bound(object, description, tolerance, bound);
-    object.update({{"vertices", mesh.size()},
-                   {"triangles", mesh.triangles.size()},
-                   {"quantum", answer.quadtree.origin.quantum.value},
-                   {"border_vertices", answer.border_vertices},
-                   {"matching_vertices", answer.matching_vertices},
-                   {"unmatched_vertices", answer.unmatched.size()},
-                   {"point_vertices", answer.point_vertices},
-                   {"void_points", answer.void_points}});
-    if (request.bbox) add_rectangle(object, *request.bbox, is_clipped);
+    Json object = json_of(result);
     conclude(object, request, remarks, answer.cost, seconds, stages);
-    return Exit::done;
+  } else {
+    Table table = table_of(result);
+    conclude(table, request, answer.cost, seconds, stages);
   }
-  Table table;
-  table.add("region", bounds_text(description, mesh.region));
-  add_bound(table, description, tolerance, bound);
-  if (by_raster)
-    table.add("varies", fmt::format("{} or more, by {}", metres(tolerance.value), request.tolerance_raster));
-  if (const std::string why = why_coarser(description, tolerance); !why.empty()) table.add("", why);
-  table.add("mesh", mesh_text(mesh.size(), mesh.triangles.size()));
-  if (question.heights.kind != HeightKind::exact)
-    table.add("heights", fmt::format("multiples of {} m", answer.quadtree.origin.quantum.value));
-  table.add("border",
-            fmt::format("{} extra vertices, so that neighbouring rectangles meet", counted(answer.border_vertices)));
-  if (!neighbours.empty())
-    table.add("match", fmt::format("{} extra vertices to meet the neighbours", counted(answer.matching_vertices)));
-  if (!request.places.is_empty()) {
-    table.add("points", fmt::format("{} samples, {} extra vertices for them", counted(answer.points),
-                                    counted(answer.point_vertices)));
-  }
-  conclude(table, request, answer.cost, seconds, stages);
   return Exit::done;
 }
+
+constexpr const char* kAbout =
+    "The mesh has no cracks, and every sample under it lies within the tolerance. Heights are in the vertical unit of "
+    "the source. Answers at one tolerance meet without cracks where rectangles share a whole side and are 16 cells "
+    "deep or more.\n"
+    "\nExamples:\n"
+    "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png\n"
+    "  talus query alps.talus --max-triangles 100000 -o overview.ply\n"
+    "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply\n"
+    "  talus query alps.talus --tolerance 20 --point=7.66,45.98 --lines roads.txt -o roads.ply\n"
+    "  talus query alps.talus --tolerance 2 --explain\n"
+    "  talus query alps.talus --tolerance 1 --bbox=7.5,45.9,7.7,46.1 -o west.ply -o west.rqt\n"
+    "  talus query alps.talus --tolerance 20 --bbox=7.7,45.9,7.9,46.1 --match west.rqt -o east.ply";
 
 }  // namespace
 
@@ -308,19 +344,7 @@ void add_query(CLI::App& program, Action& action) {
   command.group("Other");
   command.flag("--explain", request->explain, "Print which pages were read, which were not and why, and the time");
   command.threads(question.threads);
-  command.finish(
-      action, request, run,
-      "The mesh has no cracks, and every sample under it lies within the tolerance. Heights are in the vertical unit "
-      "of the source. Answers at one tolerance meet without cracks where rectangles share a whole side and are 16 "
-      "cells deep or more.\n"
-      "\nExamples:\n"
-      "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply -o matterhorn.png\n"
-      "  talus query alps.talus --max-triangles 100000 -o overview.ply\n"
-      "  talus query alps.talus --tolerance 0.5 --focus=7.66,45.98,0.01 -o view.ply\n"
-      "  talus query alps.talus --tolerance 20 --point=7.66,45.98 --lines roads.txt -o roads.ply\n"
-      "  talus query alps.talus --tolerance 2 --explain\n"
-      "  talus query alps.talus --tolerance 1 --bbox=7.5,45.9,7.7,46.1 -o west.ply -o west.rqt\n"
-      "  talus query alps.talus --tolerance 20 --bbox=7.7,45.9,7.9,46.1 --match west.rqt -o east.ply");
+  command.finish(action, request, run, kAbout);
 }
 
 }  // namespace talus::app

@@ -6,8 +6,8 @@
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
-#include "app/options/answer_options.hpp"
 #include "app/options/outputs.hpp"
+#include "app/options/shared_options.hpp"
 #include "app/terminal/report.hpp"
 #include "app/terminal/say.hpp"
 #include "app/terminal/standard_files.hpp"

@@ -4,7 +4,7 @@
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
 #include "app/files/truth.hpp"
-#include "app/options/input_options.hpp"
+#include "app/options/shared_options.hpp"
 #include "app/terminal/progress.hpp"
 #include "app/terminal/report.hpp"
 #include "app/terminal/say.hpp"

@@ -21,16 +21,14 @@
 #include "engine/error/height_field.hpp"
 #include "engine/error/vertex_error.hpp"
 #include "engine/error/voids.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "engine/quadtree/half_diamond.hpp"
 #include "engine/quadtree/rect.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
-
-[[noreturn]] void refuse(const char* sentence) { throw Failure(Cause::invalid_argument, sentence); }
 
 constexpr std::uint8_t split_bit(int side) { return side == 0 ? Bitree::kSplitsFirst : Bitree::kSplitsSecond; }
 
@@ -77,24 +75,20 @@ class Hierarchy {
   /// visit(Triangle) for each triangle of the region that is not split.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
-    std::size_t i = 0;
-    for (std::int32_t row = region_.first.row; row <= region_.last.row; ++row) {
-      for (std::int32_t col = region_.first.col; col <= region_.last.col; ++col, ++i) {
-        const GridPoint p{col, row};
-        if (kinds_[i] == 0 || spacing(p) >= root_) continue;
-        const auto triangles = apex_triangles(p);
-        for (std::size_t at = 0; at < 4; ++at) {
-          const Triangle& t = triangles[at];
-          if ((kinds_[i] & split_bit(static_cast<int>(at / 2))) == 0) continue;
-          if (!region_.contains(t.left) || !region_.contains(t.right)) continue;
-          if (!is_finest(t)) {
-            const GridPoint m = midpoint(t.left, t.right);
-            if (is_split(m, side_at(m, p))) continue;
-          }
-          visit(t);
+    for_each_point(region_, [&](GridPoint p) {
+      if (kind(p) == 0 || spacing(p) >= root_) return;
+      const auto triangles = apex_triangles(p);
+      for (std::size_t at = 0; at < 4; ++at) {
+        const Triangle& t = triangles[at];
+        if ((kind(p) & split_bit(static_cast<int>(at / 2))) == 0) continue;
+        if (!region_.contains(t.left) || !region_.contains(t.right)) continue;
+        if (!is_finest(t)) {
+          const GridPoint m = midpoint(t.left, t.right);
+          if (is_split(m, side_at(m, p))) continue;
         }
+        visit(t);
       }
-    }
+    });
   }
 
  private:
@@ -138,16 +132,13 @@ Bitree taken_from(const Hierarchy& h, std::span<const double> heights) {
   Bitree out;
   out.region = h.region();
   out.vertices = VertexMask(out.region);
-  for (std::int32_t row = out.region.first.row; row <= out.region.last.row; ++row) {
-    for (std::int32_t col = out.region.first.col; col <= out.region.last.col; ++col) {
-      const GridPoint p{col, row};
-      if (h.kind(p) == 0) continue;
-      out.vertices.insert(p);
-      out.kinds.push_back(h.kind(p));
-      out.heights.push_back(heights[h.index(p)]);
-      out.selected += h.is_selected(p) ? 1 : 0;
-    }
-  }
+  for_each_point(out.region, [&](GridPoint p) {
+    if (h.kind(p) == 0) return;
+    out.vertices.insert(p);
+    out.kinds.push_back(h.kind(p));
+    out.heights.push_back(heights[h.index(p)]);
+    out.selected += h.is_selected(p) ? 1 : 0;
+  });
   out.vertices.seal();
   out.bound = Metres{std::numeric_limits<double>::infinity()};
   return out;
@@ -213,7 +204,7 @@ class SampledGround {
 
 void require(const SampleWindow& samples, Metres tolerance, const BitreeOptions& options) {
   const GridRect& r = samples.region;
-  const bool fits = r.cols() > 0 && r.rows() > 0 && r.cols() <= kMaxExtent && r.rows() <= kMaxExtent &&
+  const bool fits = !is_empty(r) && r.cols() <= kMaxExtent && r.rows() <= kMaxExtent &&
                     samples.values.size() == static_cast<std::size_t>(r.samples()) &&
                     samples.valid.size() == samples.values.size();
   if (!fits) refuse("a bitree needs a region with one value and one valid flag a sample");
@@ -290,7 +281,7 @@ Bitree bitree_of(const SampleWindow& samples, Metres tolerance, const BitreeOpti
 }
 
 Bitree complete_bitree(const VertexMask& selected, std::span<const double> heights) {
-  if (selected.region().cols() <= 0 || selected.region().rows() <= 0 || heights.size() != selected.size())
+  if (is_empty(selected.region()) || heights.size() != selected.size())
     refuse("a bitree needs one height a selected vertex");
   Hierarchy h(selected.region());
   for (const GridPoint p : border_vertices(selected.region(), root_side(selected.region()))) {

@@ -23,12 +23,7 @@ class Walk {
   /// visit(from, apex, to) for each triangle that is not split and holds data.
   template <class Visit>
   void run(Visit&& visit) const {
-    std::int32_t s = 1;
-    const auto least = [&](std::int32_t v) {
-      while (s < v) s *= 2;
-    };
-    for (const std::int32_t v : {-region_.first.col, -region_.first.row, region_.last.col, region_.last.row}) least(v);
-    const std::array<GridPoint, 8> around{{{s, 0}, {s, -s}, {0, -s}, {-s, -s}, {-s, 0}, {-s, s}, {0, s}, {s, s}}};
+    const std::array<GridPoint, 8> around = points_around(region_);
     for (std::size_t i = 0; i < 8; i += 2) {
       go<false>({0, 0}, around[i], around[i + 1], visit);
       go<false>(around[i + 1], around[(i + 2) % 8], {0, 0}, visit);

@@ -91,13 +91,7 @@ struct Kind {
 template <class Code>
 class BlockErrors {
  public:
-  BlockErrors(const ErrorInput& input, LevelGrid<ErrorCode>& errors)
-      : input_(input),
-        field_(input.field),
-        heights_(std::get<std::span<const Code>>(field_.heights)),
-        errors_(errors),
-        kernel_(block_kernel()),
-        memory_(workspace()) {
+  BlockErrors(const ErrorInput& input, LevelGrid<ErrorCode>& errors) : input_(input), errors_(errors) {
     if (memory_.codes == nullptr || !memory_.codes->is_of(field_.distance)) {
       memory_.codes = std::make_unique<ShortCodes>(field_.distance);
     }
@@ -105,14 +99,11 @@ class BlockErrors {
 
   void run(GridRect blocks) {
     std::array<std::vector<GridPoint>, 2> whole, real;  // without voids, with voids
-    for (std::int32_t row = blocks.first.row; row <= blocks.last.row; ++row) {
-      for (std::int32_t col = blocks.first.col; col <= blocks.last.col; ++col) {
-        const GridPoint corner{col * kBlockSide, row * kBlockSide};
-        const int valid = count_valid(corner);
-        if (valid == 0) continue;
-        (is_whole(corner) ? whole : real)[valid < kSide * kSide ? 1 : 0].push_back(corner);
-      }
-    }
+    for_each_point(blocks, [&](GridPoint block) {
+      const GridPoint corner{block.col * kBlockSide, block.row * kBlockSide};
+      const int valid = count_valid(corner);
+      if (valid > 0) (is_whole(corner) ? whole : real)[valid < kSide * kSide ? 1 : 0].push_back(corner);
+    });
     for (const bool masked : {false, true}) {
       auto& others = real[masked ? 1 : 0];
       const auto too_wide = batches(whole[masked ? 1 : 0], {true, masked});
@@ -327,11 +318,11 @@ class BlockErrors {
   }
 
   const ErrorInput& input_;
-  const HeightField& field_;
-  std::span<const Code> heights_;
+  const HeightField& field_ = input_.field;
+  std::span<const Code> heights_ = std::get<std::span<const Code>>(field_.heights);
   LevelGrid<ErrorCode>& errors_;
-  const BlockKernel& kernel_;
-  Workspace& memory_;
+  const BlockKernel& kernel_ = block_kernel();
+  Workspace& memory_ = workspace();
 };
 
 /// Raises the errors of vertices with a half that mixes data and void to the least such a half has, which follows from

@@ -22,6 +22,10 @@ using CodeSpan = std::variant<std::span<const std::int16_t>, std::span<const flo
   return std::visit([&](auto c) { return static_cast<double>(c[i]); }, codes);
 }
 
+inline void set_code(Codes& codes, std::size_t i, double code) {
+  std::visit([&](auto& all) { all[i] = static_cast<typename std::decay_t<decltype(all)>::value_type>(code); }, codes);
+}
+
 /// Converts a distance in height codes to metres.
 class CodeDistance {
  public:

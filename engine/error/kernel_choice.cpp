@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus::detail {
 
@@ -41,8 +39,7 @@ const BlockKernel& block_kernel() {
     if (kernel->name == std::string(wanted)) return *kernel;
     names += (names.empty() ? "" : ", ") + std::string(kernel->name);
   }
-  throw Failure(Cause::invalid_argument,
-                fmt::format("TALUS_KERNEL is {}: choose one that this machine has: {}", wanted, names));
+  refuse("TALUS_KERNEL is {}: choose one that this machine has: {}", wanted, names);
 }
 
 }  // namespace talus::detail

@@ -77,14 +77,11 @@ class Shapes {
   [[nodiscard]] OwnSamples copied(GridPoint corner, GridRect part) {
     valid_.fill(0);
     codes_.fill(Code{});
-    for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-      for (std::int32_t col = part.first.col; col <= part.last.col; ++col) {
-        const auto to = static_cast<std::size_t>((row - corner.row) * kBlockSide + col - corner.col);
-        const std::size_t from = field_.index({col, row});
-        codes_[to] = heights_[from];
-        valid_[to] = field_.is_valid(from) ? 1 : 0;
-      }
-    }
+    for_each_point(part, [&](GridPoint p) {
+      const std::size_t to = index_in(square(corner, kBlockSide), p), from = field_.index(p);
+      codes_[to] = heights_[from];
+      valid_[to] = field_.is_valid(from) ? 1 : 0;
+    });
     return {codes_.data(), kBlockSide, valid_.data(), kBlockSide};
   }
 
@@ -280,14 +277,7 @@ class Distances {
     const std::int32_t side = 1 << shift;
     for (std::int32_t y = std::max(t.top(), within.first.row) >> shift;
          y <= std::min(t.bottom(), within.last.row) >> shift; ++y) {
-      // The triangle's width changes linearly from row to row, except at one row.
-      const std::int32_t first = std::max(t.top(), y * side), last = std::min(t.bottom(), y * side + side - 1);
-      auto [lo, hi] = t.columns(first);
-      for (const std::int32_t row : {last, std::clamp(t.vertex.row, first, last)}) {
-        const auto more = t.columns(row);
-        lo = std::min(lo, more.lo);
-        hi = std::max(hi, more.hi);
-      }
+      const auto [lo, hi] = t.columns_over(std::max(t.top(), y * side), std::min(t.bottom(), y * side + side - 1));
       for (std::int32_t x = std::max(lo, within.first.col) >> shift; x <= std::min(hi, within.last.col) >> shift; ++x) {
         visit(GridPoint{x, y});
       }
@@ -316,11 +306,7 @@ std::vector<BlockShape> block_shapes(const HeightField& field, GridRect blocks) 
   shapes.reserve(static_cast<std::size_t>(blocks.samples()));
   by_type(field, [&](auto code) {
     Shapes<decltype(code)> of(field);
-    for (std::int32_t row = blocks.first.row; row <= blocks.last.row; ++row) {
-      for (std::int32_t col = blocks.first.col; col <= blocks.last.col; ++col) {
-        shapes.push_back(of.shape({col * kBlockSide, row * kBlockSide}));
-      }
-    }
+    for_each_point(blocks, [&](GridPoint b) { shapes.push_back(of.shape({b.col * kBlockSide, b.row * kBlockSide})); });
   });
   return shapes;
 }

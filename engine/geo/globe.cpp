@@ -6,9 +6,8 @@
 
 #include <GeographicLib/Geocentric.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
-#include <fmt/format.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 
@@ -21,10 +20,7 @@ Globe::Globe(const CrsFacts& crs)
     : crs_(crs), frames_(new Frames{GeographicLib::Geocentric(crs.equatorial_radius, crs.flattening)}) {}
 Globe::Globe(const CrsFacts& crs, Position origin, double height_m) : Globe(crs) {
   const double longitude = origin.x * crs.degrees_per_unit, latitude = origin.y * crs.degrees_per_unit;
-  if (!(std::abs(latitude) <= 90)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("origin {}, {}: the latitude must be between the poles", origin.x, origin.y));
-  }
+  if (!(std::abs(latitude) <= 90)) refuse("origin {}, {}: the latitude must be between the poles", origin.x, origin.y);
   frames_->local.emplace(latitude, longitude, height_m, frames_->earth);
 }
 Globe::~Globe() = default;

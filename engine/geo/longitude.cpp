@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "engine/geo/ground.hpp"
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -78,11 +76,9 @@ Rectangle Longitudes::among(const Rectangle& asked) const {
   const auto has_area = [&](const Part& p) { return p.east - p.west >= mapping_.dx; };
   if (!is_all && std::count_if(parts.begin(), parts.end(), has_area) > 1) {
     const Part &first = parts.front(), &second = parts.back();
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("rectangle {},{},{},{} meets both ends of the raster: ask for {},{},{},{} and for {},{},{},{}",
-                    asked.xmin, asked.ymin, asked.xmax, asked.ymax, first.west, asked.ymin, first.east, asked.ymax,
-                    second.west, asked.ymin, second.east, asked.ymax));
+    refuse("rectangle {},{},{},{} meets both ends of the raster: ask for {},{},{},{} and for {},{},{},{}", asked.xmin,
+           asked.ymin, asked.xmax, asked.ymax, first.west, asked.ymin, first.east, asked.ymax, second.west, asked.ymin,
+           second.east, asked.ymax);
   }
   return {box.xmin + widest.shift, box.ymin, box.xmax + widest.shift, box.ymax};
 }

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/machine/fail.hpp"
 #include "engine/page/page_layout.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -21,11 +21,11 @@ constexpr const char* kErrorKind = "exact";
 
 /// Refuses values that would overflow later arithmetic.
 void require_plausible(const Manifest& m) {
-  const auto refuse = [](const char* what) { throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", what)); };
+  const auto refuse = [](const char* what) { fail(Cause::corrupt, "corrupt: header: {}", what); };
   const Description& d = m.description;
   const auto within = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
   if (!within(d.extent.first.col) || !within(d.extent.first.row) || !within(d.extent.last.col) ||
-      !within(d.extent.last.row) || d.extent.cols() < 1 || d.extent.rows() < 1) {
+      !within(d.extent.last.row) || is_empty(d.extent)) {
     refuse("the extent is empty or too large");
   }
   if (m.bands != band_count(d.extent)) refuse("the number of bands does not match the extent");
@@ -53,8 +53,7 @@ Int whole(const Json& json) {
   if (json.is_number_unsigned() && std::in_range<Int>(json.get<std::uint64_t>())) return json.get<Int>();
   if (json.is_number_integer() && !json.is_number_unsigned() && std::in_range<Int>(json.get<std::int64_t>()))
     return json.get<Int>();
-  throw Failure(Cause::corrupt,
-                fmt::format("corrupt: header: {} is not a whole number of {} bits", json.dump(), 8 * sizeof(Int)));
+  fail(Cause::corrupt, "corrupt: header: {} is not a whole number of {} bits", json.dump(), 8 * sizeof(Int));
 }
 
 }  // namespace
@@ -104,8 +103,8 @@ Description description_of(const Json& json) {
   const Json& mapping = json.at("mapping");
   d.mapping = {mapping.at("x0"), mapping.at("y0"), mapping.at("dx"), mapping.at("dy")};
   if (!json.contains("crs")) {
-    throw Failure(Cause::unsupported,
-                  "an earlier Talus made this database, without the facts about its CRS: ingest the source again");
+    fail(Cause::unsupported,
+         "an earlier Talus made this database, without the facts about its CRS: ingest the source again");
   }
   const Json& crs = json.at("crs");
   d.crs_wkt = crs.at("wkt");
@@ -143,32 +142,29 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     if (!json.is_object() || !json.contains("talus"))
       throw Failure(Cause::corrupt, "corrupt: header: this is not a Talus database");
     if (const int version = whole<int>(json.at("talus")); version != kFormatVersion) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("the database has format version {}, this program reads version {}: ingest the source "
-                                "again, or use the program that made it",
-                                version, kFormatVersion));
+      fail(Cause::unsupported,
+           "the database has format version {}, this program reads version {}: ingest the source again, or use the "
+           "program that made it",
+           version, kFormatVersion);
     }
     const Json& layout = json.at("layout");
     if (layout.at("band_levels") != kBandLevels || layout.at("page_side") != kPageSide) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("the database has pages of {} samples and bands of {} levels, this program reads {} and "
-                      "{}: ingest the source again, or use the program that made it",
-                      whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")), kPageSide,
-                      kBandLevels));
+      fail(Cause::unsupported,
+           "the database has pages of {} samples and bands of {} levels, this program reads {} and {}: ingest the "
+           "source again, or use the program that made it",
+           whole<int>(layout.at("page_side")), whole<int>(layout.at("band_levels")), kPageSide, kBandLevels);
     }
     const Json& errors = json.at("errors");
     if (errors.at("kind").get<std::string>() != kErrorKind) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("the database has errors of kind {}, this program reads exact ones: ingest the source again",
-                                errors.at("kind").dump()));
+      fail(Cause::unsupported,
+           "the database has errors of kind {}, this program reads exact ones: ingest the source again",
+           errors.at("kind").dump());
     }
     const auto metric = error_metric_named(errors.at("metric").get<std::string>());
     if (!metric) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("the database has errors of metric {}, which this program does not know: use the "
-                                "program that made it",
-                                errors.at("metric").dump()));
+      fail(Cause::unsupported,
+           "the database has errors of metric {}, which this program does not know: use the program that made it",
+           errors.at("metric").dump());
     }
     m.description = description_of(json);
     m.description.error_metric = *metric;
@@ -176,7 +172,7 @@ Manifest decode_manifest(std::span<const std::byte> bytes) {
     m.generation = whole<std::uint32_t>(json.at("generation"));
     for (const Json& top : json.at("top_generations")) m.top_generations.push_back(whole<std::uint32_t>(top));
   } catch (const Json::exception& e) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: header: {}", e.what()));
+    fail(Cause::corrupt, "corrupt: header: {}", e.what());
   }
   require_plausible(m);
   return m;
@@ -226,7 +222,7 @@ Provenance decode_provenance(std::span<const std::byte> bytes) {
     for (const Json& pair : json.at("vertices_above"))
       p.vertices_above.emplace_back(pair.at(0).get<double>(), whole<std::uint64_t>(pair.at(1)));
   } catch (const Json::exception& e) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: provenance: {}", e.what()));
+    fail(Cause::corrupt, "corrupt: provenance: {}", e.what());
   }
   return p;
 }

@@ -6,14 +6,12 @@
 #include <limits>
 #include <optional>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/page/page_errors.hpp"
 #include "engine/page/page_heights.hpp"
 #include "engine/page/page_numbers.hpp"
 #include "engine/page/page_voids.hpp"
 #include "engine/page/stored_errors.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 
@@ -34,15 +32,12 @@ ChildEntry joined(const ChildEntry& a, const ChildEntry& b) {
 
 ChildEntry range_of(const Page& page, const HeightStep& step) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-      const std::size_t i = page.index(col, row);
-      if ((!page.valid.empty() && !page.valid[i]) || page.is_dropped(col, row)) continue;
-      const double height = step.value(page.heights[i]);
-      lowest = std::min(lowest, height);
-      highest = std::max(highest, height);
-    }
-  }
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+    if (!page.is_data(i) || page.is_dropped(i, p)) return;
+    const double height = step.value(page.heights[i]);
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  });
   return {true, 0, rounded_down(lowest), rounded_up(highest)};
 }
 
@@ -118,7 +113,7 @@ struct Placement {
   }
 };
 
-/// Errors that follow from heights, for reading and writing.
+/// Errors that follow from heights, for writing and reading.
 struct ErrorsOfHeights {
   ImpliedErrors<std::int32_t> whole;
   ImpliedErrors<double> exact;
@@ -165,11 +160,9 @@ void mark_needed(const Page& page, std::vector<std::uint8_t>& needed) {
     needed[i] = page.valid[i] != 0 || (!page.covers.empty() && page.covers[i] != 0) ? 1 : 0;
   }
   if (!page.drops_heights) return;
-  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-      if (page.is_dropped(col, row)) needed[page.index(col, row)] = 0;
-    }
-  }
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+    if (page.is_dropped(i, p)) needed[i] = 0;
+  });
 }
 
 void put_children(const std::vector<ChildEntry>& children, NumberWriter& out) {
@@ -208,19 +201,33 @@ bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
   return possible;
 }
 
-}  // namespace
-
-// ---- writing ---------------------------------------------------------------------------------------
-
-struct PageEncoder::Scratch {
-  Page page;  ///< as the reader will have it
-  std::vector<std::int64_t> numbers, wide_square;
+/// What writing and reading both work in.
+struct Workspace {
+  Page page;  ///< for writing: as the reader will have it
+  std::vector<std::int64_t> wide_square;
   std::vector<std::int32_t> narrow_square;
   std::vector<std::uint8_t> needed, coded;
   HeightLevels<std::int32_t> narrow_levels;
   std::optional<HeightLevels<std::int64_t>> wide_levels;
   ErrorsOfHeights errors_of;
   StoredErrors stored;
+
+  /// 1 for the samples of the square whose heights are stored. Empty: all.
+  std::span<const std::uint8_t> coded_in(const Placement& place) {
+    if (needed.empty() && place.is_whole()) return {};
+    coded.assign(kSquare, 0);
+    if (needed.empty()) needed.assign(page.grid.size(), 1);
+    place.into_square(needed, coded);
+    return coded;
+  }
+};
+
+}  // namespace
+
+// ---- writing ---------------------------------------------------------------------------------------
+
+struct PageEncoder::Scratch : Workspace {
+  std::vector<std::int64_t> numbers;
   NumberWriter out;
 
   /// Copies the page without the heights that the reader does not have yet when it reads errors.
@@ -307,17 +314,11 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   const bool is_narrow = lowest > -kNarrow && highest < kNarrow;
 
   s.out.clear();
-  std::span<const std::uint8_t> coded;
-  if (!s.needed.empty() || !place.is_whole()) {
-    s.coded.assign(kSquare, 0);
-    if (s.needed.empty()) s.needed.assign(n, 1);
-    place.into_square(s.needed, s.coded);
-    coded = s.coded;
-  }
+  s.begin(page);
+  const std::span<const std::uint8_t> coded = s.coded_in(place);
   if (!page.valid.empty()) put_voids(page.grid, page.valid, kVoidsFrom, s.out);
   const bool inner_follow =
       !page.covers.empty() && put_covers(page.id, page.bands, page.grid, page.valid, page.covers, kCoversFrom, s.out);
-  s.begin(page);
   if (page.drops_heights) s.stored.put(page.errors, s.page, distance, kErrorsFrom, s.out);
   if (is_narrow) {
     s.narrow_square.assign(kSquare, 0);
@@ -359,21 +360,12 @@ PageEncoder::Parts PageEncoder::parts() const {
 
 // ---- reading ---------------------------------------------------------------------------------------
 
-struct PageDecoder::Scratch {
-  Page page;
-  std::vector<std::int64_t> wide_square;
-  std::vector<std::int32_t> narrow_square;
-  std::vector<std::uint8_t> needed, coded;
-  HeightLevels<std::int32_t> narrow_levels;
-  std::optional<HeightLevels<std::int64_t>> wide_levels;
-  ErrorsOfHeights errors_of;
-  StoredErrors stored;
+struct PageDecoder::Scratch : Workspace {
   NumberReader in;
   Implied implied = Implied::none;
 
   [[noreturn]] void corrupt(const char* what) const {
-    throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: page {}/{} of band {}: {}", page.id.x, page.id.y, page.id.band, what));
+    fail(Cause::corrupt, "corrupt: page {}/{} of band {}: {}", page.id.x, page.id.y, page.id.band, what);
   }
 
   template <class Number>
@@ -454,17 +446,7 @@ void PageDecoder::decode_most(PageId id, GridRect extent, int bands, const CodeD
     if (!s.stored.get(page, distance, kErrorsFrom, s.in)) s.corrupt("an error is larger than any possible one");
   }
   mark_needed(page, s.needed);
-  std::span<const std::uint8_t> coded;
-  if (!s.needed.empty() || !place.is_whole()) {
-    s.coded.assign(kSquare, 0);
-    if (s.needed.empty()) {
-      const std::vector<std::uint8_t> all(n, 1);
-      place.into_square(all, s.coded);
-    } else {
-      place.into_square(s.needed, s.coded);
-    }
-    coded = s.coded;
-  }
+  const std::span<const std::uint8_t> coded = s.coded_in(place);
   if ((flags & kIsNarrow) != 0) {
     s.narrow_square.resize(kSquare);
     s.narrow_levels.get(s.narrow_square, coded, place.present(), s.in);

@@ -47,18 +47,16 @@ struct Page {
   bool drops_heights = false;
   GridRect extent{{0, 0}, {-1, -1}};  ///< extent of the database, whose border matters if heights are dropped
 
-  [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
-  }
+  [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const { return grid.index(col, row); }
   [[nodiscard]] std::size_t index(GridPoint p) const {
     const GridPoint here = grid.local(p);
     return index(here.col, here.row);
   }
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
-  /// For a page with errors, encoded or decoded.
-  [[nodiscard]] bool is_dropped(std::int32_t col, std::int32_t row) const {
-    const GridPoint p = grid.at(col, row);
-    return drops_heights && errors[index(col, row)] == 0 && is_own(p) && !is_near_border(p, extent);
+  [[nodiscard]] bool is_data(std::size_t i) const { return valid.empty() || valid[i] != 0; }
+  /// Sample i, at p, of a page with errors, encoded or decoded.
+  [[nodiscard]] bool is_dropped(std::size_t i, GridPoint p) const {
+    return drops_heights && errors[i] == 0 && is_own(p) && !is_near_border(p, extent);
   }
   /// For a decoded page.
   [[nodiscard]] bool is_implied(std::size_t i) const {
@@ -68,7 +66,11 @@ struct Page {
   [[nodiscard]] double implied_distance(std::size_t i) const {
     return eighths.empty() ? distances[i] : eighths[i] / 8.0;
   }
-  /// Error code of an own vertex, stored or implied.
+  /// Error of an own vertex in metres, stored or implied.
+  [[nodiscard]] double error_m(std::size_t i, const CodeDistance& distance) const {
+    return is_implied(i) ? distance.metres(implied_distance(i)) : error_of(errors[i]);
+  }
+  /// The same as a code.
   [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {
     return is_implied(i) ? error_code(distance.metres(implied_distance(i))) : errors[i];
   }

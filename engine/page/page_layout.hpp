@@ -80,6 +80,9 @@ struct PageGrid {
   GridPoint first;  ///< in units
   std::int32_t cols = 0, rows = 0;
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows); }
+  [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const {  ///< of a page-relative sample
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col);
+  }
   [[nodiscard]] GridPoint at(std::int32_t col, std::int32_t row) const {  ///< grid point of a page-relative sample
     return {(first.col + col) * (1 << shift), (first.row + row) * (1 << shift)};
   }
@@ -119,13 +122,31 @@ struct PageGrid {
   return {{from(rect.first.col, grid.first.col), from(rect.first.row, grid.first.row)},
           {to(rect.last.col, grid.first.col, grid.cols), to(rect.last.row, grid.first.row, grid.rows)}};
 }
-/// visit(col, row) for each of them.
+/// visit(i, p) for each of them; i is the index in the page.
 template <class Visit>
 void for_each_in(const PageGrid& grid, GridRect rect, Visit&& visit) {
-  const GridRect part = samples_in(grid, rect);
-  for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-    for (std::int32_t col = part.first.col; col <= part.last.col; ++col) visit(col, row);
+  for_each_point(samples_in(grid, rect),
+                 [&](GridPoint at) { visit(grid.index(at.col, at.row), grid.at(at.col, at.row)); });
+}
+
+/// Whether is(i, p) holds for one of a page's samples; ends at the first.
+template <class Is>
+bool any_sample(const PageGrid& grid, Is&& is) {
+  std::size_t i = 0;
+  for (std::int32_t row = 0; row < grid.rows; ++row) {
+    for (std::int32_t col = 0; col < grid.cols; ++col, ++i) {
+      if (is(i, grid.at(col, row))) return true;
+    }
   }
+  return false;
+}
+/// visit(i, p) for all of a page's samples.
+template <class Visit>
+void for_each_sample(const PageGrid& grid, Visit&& visit) {
+  any_sample(grid, [&](std::size_t i, GridPoint p) {
+    visit(i, p);
+    return false;
+  });
 }
 
 /// The position of a page on a Morton curve: pages that are near on the map are mostly near in the file.

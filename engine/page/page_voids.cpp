@@ -21,7 +21,7 @@ void walk_blocks(const PageGrid& grid, std::span<const std::uint8_t> valid, Code
   std::vector<std::uint8_t> above(static_cast<std::size_t>(across), kAllData);
   const auto at = [&](int col, int row) -> unsigned {  // outside the page: valid
     if (col < 0 || row < 0) return 1;
-    return valid[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col)];
+    return valid[grid.index(col, row)];
   };
   for (int row = 0; row < grid.rows; row += kBlock) {
     std::uint8_t west = kAllData;
@@ -40,10 +40,6 @@ void walk_blocks(const PageGrid& grid, std::span<const std::uint8_t> valid, Code
   }
 }
 
-std::size_t index_of(const PageGrid& grid, int col, int row) {
-  return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
-}
-
 }  // namespace
 
 void put_voids(const PageGrid& grid, std::span<const std::uint8_t> valid, int context, NumberWriter& out) {
@@ -52,14 +48,14 @@ void put_voids(const PageGrid& grid, std::span<const std::uint8_t> valid, int co
       [&](int around, const GridRect& block) {
         std::int64_t data = 0;
         for (int r = block.first.row; r <= block.last.row; ++r) {
-          for (int c = block.first.col; c <= block.last.col; ++c) data += valid[index_of(grid, c, r)];
+          for (int c = block.first.col; c <= block.last.col; ++c) data += valid[grid.index(c, r)];
         }
         const std::uint8_t kind = data == block.samples() ? kAllData : data == 0 ? kAllVoid : kMixedBlock;
         out.put(kind, context + around);
         return kind;
       },
       [&](unsigned guess, int around, int col, int row) {
-        out.put(valid[index_of(grid, col, row)] ^ guess, context + kBlockContexts + around);
+        out.put(valid[grid.index(col, row)] ^ guess, context + kBlockContexts + around);
       });
 }
 
@@ -69,13 +65,12 @@ void get_voids(const PageGrid& grid, std::span<std::uint8_t> valid, int context,
       [&](int around, const GridRect& block) {
         const auto kind = static_cast<std::uint8_t>(std::min<std::uint64_t>(in.get(context + around), kAllVoid));
         for (int r = block.first.row; r <= block.last.row; ++r) {
-          for (int c = block.first.col; c <= block.last.col; ++c)
-            valid[index_of(grid, c, r)] = kind == kAllData ? 1 : 0;
+          for (int c = block.first.col; c <= block.last.col; ++c) valid[grid.index(c, r)] = kind == kAllData ? 1 : 0;
         }
         return kind;
       },
       [&](unsigned guess, int around, int col, int row) {
-        valid[index_of(grid, col, row)] =
+        valid[grid.index(col, row)] =
             static_cast<std::uint8_t>((in.get(context + kBlockContexts + around) ^ guess) & 1);
       });
 }
@@ -96,7 +91,7 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
   for (int row = 0; row < grid.rows; ++row) {
     std::uint16_t in_row = 0;
     for (int col = 0; col < grid.cols; ++col) {
-      in_row = static_cast<std::uint16_t>(in_row + (valid.empty() ? 1 : valid[index_of(grid, col, row)]));
+      in_row = static_cast<std::uint16_t>(in_row + (valid.empty() ? 1 : valid[grid.index(col, row)]));
       sum(col + 1, row + 1) = static_cast<std::uint16_t>(sum(col + 1, row) + in_row);
     }
   }
@@ -106,14 +101,14 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
     const auto local = [&](GridPoint p) { return GridPoint{p.col - grid.first.col, p.row - grid.first.row}; };
     if (spacing(vertex) == 1 && !is_centre(vertex)) {
       for (const GridPoint p : {t.apex, t.left, t.right}) {
-        if (has(local(p)) && !valid.empty() && valid[index_of(grid, local(p).col, local(p).row)] == 0) return false;
+        if (has(local(p)) && !valid.empty() && valid[grid.index(local(p).col, local(p).row)] == 0) return false;
       }
       return true;
     }
     const GridPoint split = midpoint(t.left, t.right), here = local(split);
     if (!has(here)) return true;
     const int half = diamond(split).apexes[0] == vertex ? 0 : 2;
-    return (covers[index_of(grid, here.col, here.row)] >> half & 3) != 0;
+    return (covers[grid.index(here.col, here.row)] >> half & 3) != 0;
   };
   const auto guess_at_the_rim = [&](GridPoint vertex) {
     unsigned guess = 0;
@@ -139,7 +134,7 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
   const int levels = id.band == bands - 1 ? kPageShift : kBandLevels;
   std::fill(covers.begin(), covers.end(), std::uint8_t{0});
   const auto settle = [&](int col, int row, int s) {
-    const std::size_t i = index_of(grid, col, row);
+    const std::size_t i = grid.index(col, row);
     const bool inside = col >= s && row >= s && col + s < grid.cols && row + s < grid.rows;
     unsigned guess = 15;
     if (inside) {

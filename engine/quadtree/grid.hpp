@@ -146,6 +146,16 @@ constexpr void for_each_root_triangle(GridRect extent, Visit&& visit) {
   }
 }
 
+/// The corners and the middles of the sides of the smallest four squares around the origin that hold a rectangle, from
+/// the east counter-clockwise.
+[[nodiscard]] constexpr std::array<GridPoint, 8> points_around(GridRect rect) {
+  std::int32_t s = 1;
+  for (const std::int32_t v : {-rect.first.col, -rect.first.row, rect.last.col, rect.last.row}) {
+    while (s < v) s *= 2;
+  }
+  return {{{s, 0}, {s, -s}, {0, -s}, {-s, -s}, {-s, 0}, {-s, s}, {0, s}, {s, s}}};
+}
+
 /// The largest number of columns or rows of a grid: all diamonds stay within 32 bits.
 inline constexpr std::int32_t kMaxExtent = std::int32_t{1} << 28;
 

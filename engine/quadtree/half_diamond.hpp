@@ -34,6 +34,16 @@ struct HalfDiamond {
     const std::int32_t reach = s - from_vertex;
     return apex.col > vertex.col ? Columns{vertex.col, vertex.col + reach} : Columns{vertex.col - reach, vertex.col};
   }
+  /// Columns of the triangle on these rows, or more: its width changes linearly except at the vertex's row.
+  [[nodiscard]] Columns columns_over(std::int32_t first_row, std::int32_t last_row) const {
+    auto [lo, hi] = columns(first_row);
+    for (const std::int32_t row : {last_row, std::clamp(vertex.row, first_row, last_row)}) {
+      const Columns more = columns(row);
+      lo = std::min(lo, more.lo);
+      hi = std::max(hi, more.hi);
+    }
+    return {lo, hi};
+  }
 };
 
 [[nodiscard]] inline HalfDiamond half_diamond(GridPoint vertex, int side) {

@@ -4,18 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
 
-[[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
-
 void require_whole(const RestrictedQuadtree& q) {
   const std::size_t n = q.vertices.size();
   if (q.heights.size() != n || (!q.covers.empty() && q.covers.size() != n))
-    refuse(fmt::format("there are {} vertices, {} heights and {} covers: expected one of each", n, q.heights.size(),
-                       q.covers.size()));
+    refuse("there are {} vertices, {} heights and {} covers: expected one of each", n, q.heights.size(),
+           q.covers.size());
 }
 
 std::string spelled(GridRect r) {
@@ -76,29 +74,29 @@ void require_fit(const RestrictedQuadtree& answer, const Increment& increment) {
   if (!answer.origin.is_plain) refuse("no increment can follow this answer: ask for a region and a tolerance only");
   if (answer.origin.identity != added.origin.identity || added.origin.identity.content == 0) {
     const Identity &a = answer.origin.identity, &b = added.origin.identity;
-    refuse(a.generation != b.generation
+    refuse("{}",
+           a.generation != b.generation
                ? fmt::format("the increment is from update {} of the database, the answer from update {}: ask again",
                              b.generation, a.generation)
                : fmt::format("the increment is from another database ({:016x}) than the answer ({:016x})", b.content,
                              a.content));
   }
   if (!(answer.region == added.region) || !(answer.vertices.region() == added.vertices.region())) {
-    refuse(fmt::format("the region of the increment is {}, that of the answer is {}", spelled(added.region),
-                       spelled(answer.region)));
+    refuse("the region of the increment is {}, that of the answer is {}", spelled(added.region),
+           spelled(answer.region));
   }
   if (answer.tolerance != increment.from) {
-    refuse(fmt::format("the increment follows an answer at {} m, this one is at {} m", increment.from.value,
-                       answer.tolerance.value));
+    refuse("the increment follows an answer at {} m, this one is at {} m", increment.from.value,
+           answer.tolerance.value);
   }
   if (answer.origin.quantum != added.origin.quantum) {
     refuse(
-        fmt::format("the heights of the increment are multiples of {} m, those of the answer of {} m (0: exact): ask "
-                    "for both with the same Heights::quantum",
-                    added.origin.quantum.value, answer.origin.quantum.value));
+        "the heights of the increment are multiples of {} m, those of the answer of {} m (0: exact): ask for both with "
+        "the same Heights::quantum",
+        added.origin.quantum.value, answer.origin.quantum.value);
   }
   if (answer.level_errors.size() != added.level_errors.size())
-    refuse(fmt::format("the increment has {} levels, the answer has {}", added.level_errors.size(),
-                       answer.level_errors.size()));
+    refuse("the increment has {} levels, the answer has {}", added.level_errors.size(), answer.level_errors.size());
 }
 
 RestrictedQuadtree merge(const RestrictedQuadtree& answer, const Increment& increment) {

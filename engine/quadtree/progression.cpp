@@ -5,16 +5,12 @@
 #include <limits>
 #include <numeric>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/grid.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
-
-[[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
 
 /// log2 of the side of a root square over the window; a larger root needs the same border vertices.
 std::size_t root_shift(const RestrictedQuadtree& answer) {
@@ -29,7 +25,7 @@ Progression::Progression(const RestrictedQuadtree& answer, std::span<const doubl
     refuse("only an answer with Border::constrain contains coarser answers: ask for one");
   const std::size_t count = answer.vertices.size();
   if (!errors.empty() && errors.size() != count)
-    refuse(fmt::format("there are {} errors for {} vertices: expected one a vertex", errors.size(), count));
+    refuse("there are {} errors for {} vertices: expected one a vertex", errors.size(), count);
   const std::size_t root = root_shift(answer);
   const GridRect& window = answer.vertices.region();
   VertexMask forced(window);
@@ -94,8 +90,7 @@ RestrictedQuadtree Progression::prefix(const RestrictedQuadtree& answer, std::si
   if (steps < 1 || steps > steps_.size() ||
       more > (steps < steps_.size() ? steps_[steps].end - steps_[steps].begin : 0) ||
       answer.heights.size() != ranks_.size())
-    refuse(fmt::format("cannot have {} steps and {} more vertices of an answer with {} steps", steps, more,
-                       steps_.size()));
+    refuse("cannot have {} steps and {} more vertices of an answer with {} steps", steps, more, steps_.size());
   const std::size_t end = steps_[steps - 1].end + more;
   const bool is_all = end == ranks_.size();
   RestrictedQuadtree q;

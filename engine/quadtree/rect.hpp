@@ -36,6 +36,14 @@ namespace talus {
   return {first, {first.col + side - 1, first.row + side - 1}};
 }
 
+/// visit(p): the points of a rectangle, row by row.
+template <class Visit>
+constexpr void for_each_point(GridRect r, Visit&& visit) {
+  for (std::int32_t row = r.first.row; row <= r.last.row; ++row) {
+    for (std::int32_t col = r.first.col; col <= r.last.col; ++col) visit(GridPoint{col, row});
+  }
+}
+
 /// Index of a sample among a rectangle's, row by row.
 [[nodiscard]] constexpr std::size_t index_in(GridRect r, GridPoint p) {
   return static_cast<std::size_t>((std::int64_t{p.row} - r.first.row) * r.cols() + (std::int64_t{p.col} - r.first.col));

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "engine/machine/cpu.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/quadtree/grid.hpp"
-#include "talus/failure.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
@@ -31,14 +31,7 @@ class Emitter {
  public:
   /// Writes to `out`, which holds `room` triangles.
   Emitter(const RestrictedQuadtree& quadtree, Mesh& mesh, Corners* out, std::size_t room)
-      : quadtree_(quadtree),
-        mask_(quadtree.vertices),
-        region_(answered(quadtree)),
-        window_(mask_.region()),
-        reaches_out_(!(region_ == window_)),
-        points_(mesh.points.data()),
-        out_(out),
-        last_(out + room - kMostAround) {}
+      : quadtree_(quadtree), points_(mesh.points.data()), out_(out), last_(out + room - kMostAround) {}
 
   /// Writes the leaves around each vertex of some rows; returns the end of the triangles. Each triangle is written,
   /// then kept or overwritten: a branch predictor cannot guess which of them are leaves.
@@ -70,8 +63,8 @@ class Emitter {
 
  private:
   [[noreturn]] static void refuse() {
-    throw Failure(Cause::corrupt,
-                  "corrupt: a vertex lacks its parents, so there is no mesh: the errors that selected it are damaged");
+    fail(Cause::corrupt,
+         "corrupt: a vertex lacks its parents, so there is no mesh: the errors that selected it are damaged");
   }
 
   /// Logical and without a branch.
@@ -154,9 +147,9 @@ class Emitter {
   }
 
   const RestrictedQuadtree& quadtree_;
-  const VertexMask& mask_;
-  GridRect region_, window_;
-  bool reaches_out_;
+  const VertexMask& mask_ = quadtree_.vertices;
+  GridRect region_ = answered(quadtree_), window_ = mask_.region();
+  bool reaches_out_ = !(region_ == window_);
   GridPoint* points_;
   Corners* out_;
   const Corners* last_;  ///< the last position of out_ with enough room

@@ -1,7 +1,7 @@
 #include <limits>
 
 #include "engine/machine/cpu.hpp"
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
@@ -42,10 +42,8 @@ void VertexMask::ranks(std::span<const GridPoint> points, std::span<std::uint32_
 void VertexMask::seal() {
   before_.resize(words_.size());
   const std::size_t count = has_popcnt() ? count_before_popcnt(words_, before_) : count_before(words_, before_);
-  if (count > std::numeric_limits<std::uint32_t>::max()) {
-    throw Failure(Cause::invalid_argument,
-                  "the answer has more than 4294967295 vertices: ask for a smaller rectangle or a larger tolerance");
-  }
+  if (count > std::numeric_limits<std::uint32_t>::max())
+    refuse("the answer has more than 4294967295 vertices: ask for a smaller rectangle or a larger tolerance");
   size_ = count;
 }
 

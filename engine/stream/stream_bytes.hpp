@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 #include "talus/units.hpp"
 
 namespace talus {
@@ -59,7 +59,7 @@ class StreamTaker {
   explicit StreamTaker(std::span<const std::byte> bytes, std::size_t origin = 0) : bytes_(bytes), origin_(origin) {}
 
   [[noreturn]] static void refuse(std::size_t at, const std::string& what) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: byte {}: {}", at, what));
+    fail(Cause::corrupt, "corrupt: byte {}: {}", at, what);
   }
   [[noreturn]] void refuse(const std::string& what) const { refuse(origin_ + at_, what); }
   [[nodiscard]] std::size_t at() const { return at_; }

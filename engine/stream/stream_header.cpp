@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "engine/geo/crs_text.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
+#include "engine/quadtree/rect.hpp"
 
 namespace talus {
 namespace {
@@ -44,6 +46,17 @@ void for_each_number(Header& h, Visit&& visit) {
     visit(*v);
 }
 
+/// The flags that are a yes or no of the header.
+template <class Header, class Visit>
+void for_each_flag(Header& h, Visit&& visit) {
+  visit(kIncrement, h.is_increment);
+  visit(kPlain, h.quadtree.origin.is_plain);
+  visit(kCovers, h.has_covers);
+  visit(kWholeCodes, h.description.step.integer);
+  visit(kLoose, h.has_loose);
+  visit(kWide, h.is_wide);
+}
+
 int log2_root(GridRect r) { return std::countr_zero(static_cast<std::uint32_t>(root_side(r))); }
 
 bool is_within(GridRect inner, GridRect outer) { return outer.contains(inner.first) && outer.contains(inner.last); }
@@ -54,11 +67,10 @@ void require_plausible(const StreamTaker& in, const StreamHeader& h) {
   const RestrictedQuadtree& q = h.quadtree;
   const GridRect& e = d.extent;
   const auto in_range = [](std::int32_t v) { return v > -kMaxExtent && v < kMaxExtent; };
-  if (!in_range(e.first.col) || !in_range(e.first.row) || !in_range(e.last.col) || !in_range(e.last.row) ||
-      e.cols() < 1 || e.rows() < 1)
+  if (!in_range(e.first.col) || !in_range(e.first.row) || !in_range(e.last.col) || !in_range(e.last.row) || is_empty(e))
     in.refuse("impossible extent");
-  if (h.window.cols() < 1 || h.window.rows() < 1) in.refuse("an empty window");
-  if (q.region.cols() < 1 || q.region.rows() < 1 || !is_within(q.region, h.window) || !is_within(h.window, e))
+  if (is_empty(h.window)) in.refuse("an empty window");
+  if (is_empty(q.region) || !is_within(q.region, h.window) || !is_within(h.window, e))
     in.refuse("a region that is not in its window, or not in the extent");
   if (q.origin.border == Border::constrain && !(h.window == q.region))
     in.refuse("a window beyond a constrained border");
@@ -96,16 +108,13 @@ void require_room(const StreamHeader& h, const StreamLimits& limits) {
   const auto words = static_cast<std::uint64_t>((window.cols() + 63) / 64) * static_cast<std::uint64_t>(window.rows());
   const std::uint64_t bytes = words * 12;  // bits and ranks
   if (bytes > limits.mask_bytes) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("a region of {} x {} samples needs a mask of {} bytes, and StreamLimits allow {}: the stream "
-                    "is damaged or forged, or very coarse; ask for a smaller region",
-                    window.cols(), window.rows(), bytes, limits.mask_bytes));
+    fail(Cause::unsupported,
+         "a region of {} x {} samples needs a mask of {} bytes, and StreamLimits allow {}: the stream is damaged or "
+         "forged, or very coarse; ask for a smaller region",
+         window.cols(), window.rows(), bytes, limits.mask_bytes);
   }
-  if (h.vertices > limits.vertices) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("a stream of {} vertices, and StreamLimits allow {}", h.vertices, limits.vertices));
-  }
+  if (h.vertices > limits.vertices)
+    fail(Cause::unsupported, "a stream of {} vertices, and StreamLimits allow {}", h.vertices, limits.vertices);
 }
 
 }  // namespace
@@ -126,10 +135,10 @@ void put_header(StreamWriter& out, const StreamHeader& h) {
   out.put(std::string(kMagic.data(), kMagic.size()));
   out.put(kStreamVersion);
   out.put(std::uint32_t{0});  // the header's length, put in below
-  out.put((h.is_increment ? kIncrement : 0u) | (q.origin.is_plain ? kPlain : 0u) | (h.has_covers ? kCovers : 0u) |
-          (q.level_errors.empty() ? 0u : kLevelErrors) | (d.step.integer ? kWholeCodes : 0u) |
-          (h.has_loose ? kLoose : 0u) | (h.is_wide ? kWide : 0u) |
-          (d.error_metric == ErrorMetric::perpendicular ? kPerpendicular : 0u));
+  std::uint32_t flags = (q.level_errors.empty() ? 0u : kLevelErrors) |
+                        (d.error_metric == ErrorMetric::perpendicular ? kPerpendicular : 0u);
+  for_each_flag(h, [&](std::uint32_t flag, bool is_so) { flags |= is_so ? flag : 0u; });
+  out.put(flags);
   out.put(static_cast<std::uint32_t>(h.parts));
   out.put(q.origin.identity.content);
   out.put(q.origin.identity.generation);
@@ -158,7 +167,11 @@ bool begins_as_stream(std::span<const std::byte> bytes) {
                     [](char a, std::byte b) { return static_cast<std::byte>(a) == b; });
 }
 
-std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const StreamLimits& limits) {
+namespace {
+
+/// The part of a header that follows its version and length. Any version has these and a checksum, so damage is not
+/// taken for a new version. Sets the header's length and seal. Nothing, if bytes are missing.
+std::optional<StreamTaker> unsealed(std::span<const std::byte> bytes, StreamHeader& h) {
   StreamTaker in(bytes);
   if (!begins_as_stream(bytes)) StreamTaker::refuse(0, "not the stream of a restricted quadtree");
   if (bytes.size() < 16) return std::nullopt;
@@ -168,34 +181,34 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   if (length < kSmallestHeader || length > 4 * kMostText)
     StreamTaker::refuse(12, fmt::format("a header of {} bytes", length));
   if (bytes.size() < length) return std::nullopt;
-  // Any version has these three and a checksum: what is damaged is not taken for what is new.
-  StreamHeader h;
   h.bytes = length;
   h.seal = stream_checksum(bytes.first(length - kChecksum), 0);
   if (StreamTaker(bytes.subspan(length - kChecksum)).take<std::uint64_t>() != h.seal)
     StreamTaker::refuse(0, "checksum of the header");
-  if (version != kStreamVersion) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("a stream of version {}, this program reads version {}", version, kStreamVersion));
-  }
+  if (version != kStreamVersion)
+    fail(Cause::unsupported, "a stream of version {}, this program reads version {}", version, kStreamVersion);
   in = StreamTaker(bytes.first(length - kChecksum));
   (void)in.take(kMagic.size() + 8);
+  return in;
+}
+
+}  // namespace
+
+std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const StreamLimits& limits) {
+  StreamHeader h;
+  std::optional<StreamTaker> rest = unsealed(bytes, h);
+  if (!rest) return std::nullopt;
+  StreamTaker& in = *rest;
   const auto flags = in.take<std::uint32_t>();
   if ((flags & ~std::uint32_t{kAllFlags}) != 0) in.refuse("unknown flags");
   if ((flags & kOtherErrors) != 0) {
-    throw Failure(
-        Cause::unsupported,
-        "a stream whose vertices were chosen by nested or midpoint errors, this program reads streams of exact "
-        "errors only; ask its database again");
+    fail(Cause::unsupported,
+         "a stream whose vertices were chosen by nested or midpoint errors, this program reads streams of exact errors "
+         "only; ask its database again");
   }
-  h.is_increment = (flags & kIncrement) != 0;
-  h.has_covers = (flags & kCovers) != 0;
-  h.has_loose = (flags & kLoose) != 0;
-  h.is_wide = (flags & kWide) != 0;
+  for_each_flag(h, [&](std::uint32_t flag, bool& is_so) { is_so = (flags & flag) != 0; });
   RestrictedQuadtree& q = h.quadtree;
   Description& d = h.description;
-  q.origin.is_plain = (flags & kPlain) != 0;
-  d.step.integer = (flags & kWholeCodes) != 0;
   if ((flags & kPerpendicular) != 0) d.error_metric = ErrorMetric::perpendicular;
   h.parts = in.take<std::uint32_t>();
   q.origin.identity.content = in.take<std::uint64_t>();
@@ -210,9 +223,8 @@ std::optional<StreamHeader> take_header(std::span<const std::byte> bytes, const 
   h.vertices = in.take<std::uint64_t>();
   const auto coding = in.take<std::uint32_t>(), kind = in.take<std::uint32_t>();
   if (coding != kCoding) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("a stream of coding {}, this program reads coding {} only; ask its database again",
-                              coding, kCoding));
+    fail(Cause::unsupported, "a stream of coding {}, this program reads coding {} only; ask its database again", coding,
+         kCoding);
   }
   if (kind > static_cast<std::uint32_t>(CodeKind::quanta)) in.refuse("unknown code of heights");
   h.kind = static_cast<CodeKind>(kind);

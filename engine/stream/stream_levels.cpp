@@ -146,13 +146,7 @@ class PartsEncoder {
  public:
   PartsEncoder(const StreamHeader& header, const RestrictedQuadtree& q, std::span<const Code> codes,
                const StreamOptions& options)
-      : h_(header),
-        q_(q),
-        codes_(codes),
-        options_(options),
-        threads_(threads_or_all(options.threads)),
-        scale_(HeightCoding::of(header).tolerance),
-        known_(header.root()) {
+      : h_(header), q_(q), codes_(codes), options_(options) {
     lattices_.push_back(bits_of(q.vertices));
     for (int shift = 1; shift <= header.root(); ++shift) lattices_.push_back(coarser(lattices_.back(), header.window));
   }
@@ -300,10 +294,10 @@ class PartsEncoder {
   const RestrictedQuadtree& q_;
   std::span<const Code> codes_;
   const StreamOptions& options_;
-  int threads_;
-  Scale scale_;
+  int threads_ = threads_or_all(options_.threads);
+  Scale scale_{HeightCoding::of(h_).tolerance};
   LevelEncoder<Code> encoder_;
-  KnownLevels<Code> known_;
+  KnownLevels<Code> known_{h_.root()};
   CoverCoder covers_;
   std::vector<BitLattice> lattices_;  ///< by log2 of the spacing
   BitLattice forced_;

@@ -48,12 +48,7 @@ class Walker {
   /// The root is the smallest four squares around the origin that hold the window. The database's root may be larger,
   /// but no triangle of the answer is. A square that the window fills is one run.
   void run() {
-    std::int32_t s = 1;
-    const auto least = [&](std::int32_t v) {
-      while (s < v) s *= 2;
-    };
-    for (const std::int32_t v : {-window_.first.col, -window_.first.row, window_.last.col, window_.last.row}) least(v);
-    const std::array<GridPoint, 8> around{{{s, 0}, {s, -s}, {0, -s}, {-s, -s}, {-s, 0}, {-s, s}, {0, s}, {s, s}}};
+    const std::array<GridPoint, 8> around = points_around(window_);
     for (std::size_t i = 0; i < 8; i += 2) {
       const GridPoint first = around[i], middle = around[i + 1], last = around[(i + 2) % 8];
       if (!may_stand({0, 0}) || !may_stand(middle)) continue;

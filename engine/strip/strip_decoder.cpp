@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "engine/strip/strip_codec.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -34,8 +34,7 @@ Head take_head(std::span<const std::byte> bytes) {
     if (from.take<char>() != c) StreamTaker::refuse(0, "this is not a strip of Talus");
   }
   if (const auto version = from.take<std::uint32_t>(); version != kVersion)
-    throw Failure(Cause::unsupported,
-                  fmt::format("the strip has version {}, this program reads version {}", version, kVersion));
+    fail(Cause::unsupported, "the strip has version {}, this program reads version {}", version, kVersion);
   Head head;
   const auto height_bits = from.take<std::uint32_t>();
   head.region = from.rect();
@@ -76,8 +75,7 @@ class Decoder {
  public:
   Decoder(std::span<const std::byte> bytes, std::uint64_t limit) : head_(take_head(bytes)) {
     if (head_.triangles > limit)
-      throw Failure(Cause::unsupported,
-                    fmt::format("the strip has {} triangles, the limit is {}", head_.triangles, limit));
+      fail(Cause::unsupported, "the strip has {} triangles, the limit is {}", head_.triangles, limit);
     StreamTaker seal(bytes.last(kChecksumBytes));
     StreamTaker of_header(bytes.subspan(kHeaderBytes - kChecksumBytes));
     const auto seed = of_header.take<std::uint64_t>();

@@ -26,28 +26,17 @@ int coarse_level_count(GridRect extent) {
   return levels;
 }
 
-/// Columns that a triangle has on some rows, or more: its width changes linearly except at the vertex's row.
-HalfDiamond::Columns columns_over(const HalfDiamond& t, std::int32_t first, std::int32_t last) {
-  auto [lo, hi] = t.columns(first);
-  for (const std::int32_t row : {last, std::clamp(t.vertex.row, first, last)}) {
-    const auto more = t.columns(row);
-    lo = std::min(lo, more.lo);
-    hi = std::max(hi, more.hi);
-  }
-  return {lo, hi};
-}
-
 bool may_touch(const HalfDiamond& t, GridRect r) {
   const std::int32_t first = std::max(t.top(), r.first.row), last = std::min(t.bottom(), r.last.row);
   if (first > last) return false;
-  const auto [lo, hi] = columns_over(t, first, last);
+  const auto [lo, hi] = t.columns_over(first, last);
   return lo <= r.last.col && hi >= r.first.col;
 }
 
 GridRect square_of_block(TileId id, std::int32_t block) {
-  const GridPoint corner{id.x * kTileSide + block % kTileBlocks * kBlockSide,
-                         id.y * kTileSide + block / kTileBlocks * kBlockSide};
-  return {corner, {corner.col + kBlockSide - 1, corner.row + kBlockSide - 1}};
+  return square(
+      {id.x * kTileSide + block % kTileBlocks * kBlockSide, id.y * kTileSide + block / kTileBlocks * kBlockSide},
+      kBlockSide);
 }
 
 std::uint64_t key_of(GridPoint vertex, int side) {
@@ -81,7 +70,7 @@ CoarseLevels::CoarseLevels(GridRect extent, const CodeDistance& distance, Ground
       rule_(std::move(rule)),
       errors_(floor_units(extent), coarse_level_count(extent), 0),
       holds_(floor_units(extent), coarse_level_count(extent), 0) {
-  if (units_.cols() <= 0 || units_.rows() <= 0) units_ = {{0, 0}, {-1, -1}};
+  if (is_empty(units_)) units_ = {{0, 0}, {-1, -1}};
   block_errors_.assign(static_cast<std::size_t>(blocks_.samples()), 0);
   block_holds_.assign(block_errors_.size(), 0);
   posts_.assign(static_cast<std::size_t>(units_.samples()), 0);

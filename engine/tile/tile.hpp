@@ -38,6 +38,13 @@ struct TileId {
 /// samples in its window must be computed, even without own samples: its vertices can join two vertices of the extent.
 [[nodiscard]] GridRect tile_window(TileId id, GridRect extent);
 
+/// The tiles of an extent. Their squares hold a sample, or lie within a block of one: vertices beyond the extent pass
+/// errors on.
+[[nodiscard]] constexpr GridRect tiles_of(GridRect extent) {
+  return {{(extent.first.col - kBlockSide) >> kTileShift, (extent.first.row - kBlockSide) >> kTileShift},
+          {(extent.last.col + kBlockSide) >> kTileShift, (extent.last.row + kBlockSide) >> kTileShift}};
+}
+
 struct TileInput {
   TileId id;
   GridRect extent;                      ///< extent of the database

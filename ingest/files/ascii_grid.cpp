@@ -9,9 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -56,11 +54,9 @@ void require_whole_ascii_grid(const std::filesystem::path& file, const std::stri
     } else {
       in_header = false;
       if (!is_number(word)) {
-        throw Failure(Cause::unsupported,
-                      fmt::format("{}: column {}, row {} holds \"{}\", not a number. Correct the file", name,
-                                  numbers % static_cast<std::uint64_t>(cols),
-                                  numbers / static_cast<std::uint64_t>(cols), word.substr(0, 40)),
-                      name);
+        fail_in(name, Cause::unsupported, "{}: column {}, row {} holds \"{}\", not a number. Correct the file", name,
+                numbers % static_cast<std::uint64_t>(cols), numbers / static_cast<std::uint64_t>(cols),
+                word.substr(0, 40));
       }
       ++numbers;
     }
@@ -75,14 +71,12 @@ void require_whole_ascii_grid(const std::filesystem::path& file, const std::stri
       }
     }
   }
-  if (!in.eof()) throw Failure(Cause::io, fmt::format("cannot read {}", name), name);
+  if (!in.eof()) fail_in(name, Cause::io, "cannot read {}", name);
   take();
   if (numbers == wanted) return;
-  throw Failure(
-      Cause::unsupported,
-      fmt::format("{} has {} numbers, but {} rows of {} need {}: it is cut short, or has a number too few or too many",
-                  name, numbers, rows, cols, wanted),
-      name);
+  fail_in(name, Cause::unsupported,
+          "{} has {} numbers, but {} rows of {} need {}: it is cut short, or has a number too few or too many", name,
+          numbers, rows, cols, wanted);
 }
 
 }  // namespace talus

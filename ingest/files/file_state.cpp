@@ -3,10 +3,9 @@
 #include <cerrno>
 #include <cstring>
 
-#include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 
@@ -15,8 +14,7 @@ FileState state_of(const std::filesystem::path& file) {
   if (::stat(file.c_str(), &about) != 0) {
     const int error = errno;
     const bool gone = error == ENOENT || error == ENOTDIR;
-    throw Failure(gone ? Cause::not_found : Cause::io, fmt::format("{}: {}", file.string(), std::strerror(error)),
-                  file);
+    fail_in(file, gone ? Cause::not_found : Cause::io, "{}: {}", file.string(), std::strerror(error));
   }
   const auto nanoseconds = [](const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; };
   return {file,

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "ingest/files/lines.hpp"
 #include "ingest/files/raster_guard.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -103,10 +103,9 @@ void require_inside(const fs::path& link, const fs::path& folder, const InputOpt
   if (may_lead_to(link, folder, options)) return;
   std::error_code error;
   const fs::path target = fs::weakly_canonical(link, error);
-  throw Failure(Cause::unsupported,
-                fmt::format("{} is a link to {}, outside its folder. To read it, add InputOptions::allow_outside {}",
-                            link.string(), target.string(), target.parent_path().string()),
-                link);
+  fail_in(link, Cause::unsupported,
+          "{} is a link to {}, outside its folder. To read it, add InputOptions::allow_outside {}", link.string(),
+          target.string(), target.parent_path().string());
 }
 
 /// top  the folder that was named; links may lead anywhere below it
@@ -115,8 +114,7 @@ void look_into(const fs::path& folder, const fs::path& top, const InputOptions& 
   std::vector<fs::path> entries;
   for (fs::directory_iterator at(folder, error); !error && at != fs::directory_iterator{}; at.increment(error))
     entries.push_back(at->path());
-  if (error)
-    throw Failure(Cause::io, fmt::format("cannot list folder {}: {}", folder.string(), error.message()), folder);
+  if (error) fail_in(folder, Cause::io, "cannot list folder {}: {}", folder.string(), error.message());
   std::sort(entries.begin(), entries.end());
   for (const fs::path& file : entries) {
     if (file.filename().string().starts_with('.') || is_side_file(file)) continue;
@@ -143,12 +141,10 @@ void leave_out_broken(const Folder& found, const fs::path& folder, const InputOp
   if (found.broken.empty()) return;
   if (!options.skip_broken) {
     const std::size_t more = found.broken.size() - 1;
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("{}{}. Leave {} out with InputOptions::skip_broken", why_broken(found.broken.front(), options),
-                    more == 0 ? "" : fmt::format("; {} more in {} cannot be read either", more, folder.string()),
-                    more == 0 ? "it" : "them"),
-        found.broken.front());
+    fail_in(found.broken.front(), Cause::unsupported, "{}{}. Leave {} out with InputOptions::skip_broken",
+            why_broken(found.broken.front(), options),
+            more == 0 ? "" : fmt::format("; {} more in {} cannot be read either", more, folder.string()),
+            more == 0 ? "it" : "them");
   }
   for (const fs::path& file : found.broken) list.notes.push_back("left out: " + why_broken(file, options));
 }
@@ -165,10 +161,8 @@ void add_folder(const fs::path& folder, const InputOptions& options, InputList& 
   leave_out_broken(found, folder, options, list);
   if (found.rasters.empty()) std::swap(found.rasters, found.virtuals);
   if (found.rasters.empty()) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("there is no raster in folder {}{}", folder.string(),
-                              found.subfolders == 0 ? "" : "; " + subfolders(found.subfolders)),
-                  folder);
+    fail_in(folder, Cause::invalid_argument, "there is no raster in folder {}{}", folder.string(),
+            found.subfolders == 0 ? "" : "; " + subfolders(found.subfolders));
   }
   list.files.insert(list.files.end(), found.rasters.begin(), found.rasters.end());
 
@@ -200,31 +194,24 @@ void add_list(const fs::path& file, const InputOptions& options, InputList& list
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // written by some editors
   bool is_first = true;
   for (std::string line; lines.next(line);) {
-    if (is_first && (line.starts_with("\xff\xfe") || line.starts_with("\xfe\xff"))) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("list {} is written in UTF-16; save it as UTF-8", file.string()), file);
-    }
+    if (is_first && (line.starts_with("\xff\xfe") || line.starts_with("\xfe\xff")))
+      fail_in(file, Cause::invalid_argument, "list {} is written in UTF-16; save it as UTF-8", file.string());
     if (std::exchange(is_first, false) && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!line.empty() && is_blank(line.back())) line.pop_back();
     line.erase(line.begin(), std::find_if_not(line.begin(), line.end(), is_blank));
     if (line.empty() || line.front() == '#') continue;
     if (line.front() == '@' || line.find('\0') != std::string::npos) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("list {} has the line {}: expected the name of a file or a folder", file.string(),
-                                line.substr(0, line.find('\0'))),
-                    file);
+      fail_in(file, Cause::invalid_argument, "list {} has the line {}: expected the name of a file or a folder",
+              file.string(), line.substr(0, line.find('\0')));
     }
     if (list.files.size() - before >= kMostFiles) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("list {} names more than {} files; name folders instead", file.string(), kMostFiles),
-                    file);
+      fail_in(file, Cause::invalid_argument, "list {} names more than {} files; name folders instead", file.string(),
+              kMostFiles);
     }
     add(file.parent_path() / line, options, list);
   }
-  if (list.files.size() == before) {
-    throw Failure(Cause::invalid_argument, fmt::format("list {} names no file", file.string()), file);
-  }
+  if (list.files.size() == before) fail_in(file, Cause::invalid_argument, "list {} names no file", file.string());
 }
 
 void keep_the_last_of_each(InputList& list) {

@@ -21,9 +21,9 @@
 #include <fmt/format.h>
 #include <gdal.h>
 
+#include "engine/machine/fail.hpp"
 #include "ingest/files/gdal_handles.hpp"
 #include "ingest/files/gdal_scope.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -68,27 +68,21 @@ fs::path regular_file(const fs::path& file) {
   std::error_code error;
   const fs::path real = fs::canonical(file, error);
   if (error && is_address(file.string())) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is not a local file. Talus opens local raster files only: fetch or unpack it first",
-                              file.string()));
+    fail(Cause::unsupported, "{} is not a local file. Talus opens local raster files only: fetch or unpack it first",
+         file.string());
   }
-  if (file.empty() || error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory) {
-    throw Failure(Cause::not_found,
-                  fmt::format("there is no file {}", file.empty() ? "without a name" : file.string()));
-  }
-  if (error) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), error.message()));
+  if (file.empty() || error == std::errc::no_such_file_or_directory || error == std::errc::not_a_directory)
+    fail(Cause::not_found, "there is no file {}", file.empty() ? "without a name" : file.string());
+  if (error) fail(Cause::io, "cannot read {}: {}", file.string(), error.message());
   if (!fs::is_regular_file(real, error)) {
-    throw Failure(Cause::unsupported, fmt::format("{} is {}, not a raster file", file.string(),
-                                                  fs::is_directory(real, error) ? "a folder" : "a device or a pipe"));
+    fail(Cause::unsupported, "{} is {}, not a raster file", file.string(),
+         fs::is_directory(real, error) ? "a folder" : "a device or a pipe");
   }
   if (real.string().starts_with("/vsi")) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("{}: GDAL does not read paths that begin with /vsi as files. Move the file", real.string()));
+    fail(Cause::unsupported, "{}: GDAL does not read paths that begin with /vsi as files. Move the file",
+         real.string());
   }
-  if (!std::ifstream{real}) {
-    throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)));
-  }
+  if (!std::ifstream{real}) fail(Cause::io, "cannot read {}: {}", file.string(), std::strerror(errno));
   return real;
 }
 
@@ -140,10 +134,8 @@ class Guard {
     for (const std::string& name : options.allow_drivers) {
       GDALDriverH driver = GDALGetDriverByName(name.c_str());
       if (driver == nullptr) {
-        throw Failure(
-            Cause::invalid_argument,
-            fmt::format("InputOptions::allow_drivers {}: GDAL has no such driver here (gdalinfo --formats lists all)",
-                        name));
+        fail(Cause::invalid_argument,
+             "InputOptions::allow_drivers {}: GDAL has no such driver here (gdalinfo --formats lists all)", name);
       }
       drivers_.push_back(GDALGetDriverShortName(driver));
     }
@@ -182,7 +174,7 @@ class Guard {
       const std::string way =
           other == nullptr ? ""
                            : fmt::format(". If you trust the file, open it with InputOptions::allow_drivers {}", name);
-      throw Failure(Cause::unsupported, fmt::format("{} {}{}", file.string(), why, way));
+      fail(Cause::unsupported, "{} {}{}", file.string(), why, way);
     }
     return GDALGetDriverShortName(driver);
   }
@@ -192,10 +184,9 @@ class Guard {
   void check_first_choice(const fs::path& file, const std::string& driver) const {
     GDALDriverH first = GDALIdentifyDriverEx(file.c_str(), GDAL_OF_RASTER, nullptr, nullptr);
     if (first != nullptr && GDALGetDriverShortName(first) != driver) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("{} looks like {} and like {}, so Talus does not open it. Convert it with gdal_translate",
-                      file.string(), driver, GDALGetDriverShortName(first)));
+      fail(Cause::unsupported,
+           "{} looks like {} and like {}, so Talus does not open it. Convert it with gdal_translate", file.string(),
+           driver, GDALGetDriverShortName(first));
     }
   }
 
@@ -226,10 +217,9 @@ class Guard {
     for (const fs::path& side : side_files_of(file)) {
       const fs::path real = regular_file(side);
       if (!may_lead_to(real, file.parent_path(), options_)) {
-        throw Failure(
-            Cause::unsupported,
-            fmt::format("{} is a link to {}, outside its folder. To read it, add InputOptions::allow_outside {}",
-                        side.string(), real.string(), real.parent_path().string()));
+        fail(Cause::unsupported,
+             "{} is a link to {}, outside its folder. To read it, add InputOptions::allow_outside {}", side.string(),
+             real.string(), real.parent_path().string());
       }
       note(real);
       const std::string ending = upper(side.extension().string());
@@ -244,11 +234,9 @@ class Guard {
     DatasetOwner dataset{
         GDALOpenEx(name_to_open(file, driver, variable).c_str(), GDAL_OF_RASTER, only.data(), nullptr, nullptr)};
     if (dataset && GDALGetMetadataItem(dataset.get(), "OVERVIEW_FILE", "OVERVIEWS") != nullptr) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format(
-              "{} names a separate overview file, which Talus does not open. Copy the raster with gdal_translate first",
-              file.string()));
+      fail(Cause::unsupported,
+           "{} names a separate overview file, which Talus does not open. Copy the raster with gdal_translate first",
+           file.string());
     }
     if (dataset) {
       const CPLStringList behind{GDALGetFileList(dataset.get())};
@@ -263,15 +251,13 @@ class Guard {
     const bool has_bands = GDALGetRasterCount(raster.dataset.get()) > 0;
     if (options_.variable.empty()) {
       if (has_bands || variables.empty()) return;
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} holds several rasters: {}. Choose one with InputOptions::variable", named.string(),
-                                fmt::join(variables, ", ")));
+      fail(Cause::unsupported, "{} holds several rasters: {}. Choose one with InputOptions::variable", named.string(),
+           fmt::join(variables, ", "));
     }
     if (std::find(variables.begin(), variables.end(), options_.variable) == variables.end()) {
       if (has_bands && variables.empty()) return;  // the name is for other inputs
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{} has no variable {}; it has {}", named.string(), options_.variable,
-                                variables.empty() ? "none" : fmt::format("{}", fmt::join(variables, ", "))));
+      fail(Cause::invalid_argument, "{} has no variable {}; it has {}", named.string(), options_.variable,
+           variables.empty() ? "none" : fmt::format("{}", fmt::join(variables, ", ")));
     }
     raster.variable = options_.variable;
     raster.dataset = open(raster.file, raster.driver, raster.variable);
@@ -286,19 +272,18 @@ class Guard {
 
   void check_vrt(const fs::path& vrt) {
     if (open_.size() >= kDeepestVrt) {
-      throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster nested {} deep; Talus reads at most {}",
-                                                    vrt.string(), open_.size() + 1, kDeepestVrt));
+      fail(Cause::unsupported, "{} is a virtual raster nested {} deep; Talus reads at most {}", vrt.string(),
+           open_.size() + 1, kDeepestVrt);
     }
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(vrt, error);
     if (error || bytes > kLargestVrt) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is a virtual raster larger than {} bytes, the most that Talus reads", vrt.string(),
-                                kLargestVrt));
+      fail(Cause::unsupported, "{} is a virtual raster larger than {} bytes, the most that Talus reads", vrt.string(),
+           kLargestVrt);
     }
     GdalScope gdal;
     const std::unique_ptr<CPLXMLNode, FreeXml> xml{CPLParseXMLFile(vrt.c_str())};
-    if (!xml) throw Failure(Cause::io, fmt::format("cannot read {}{}", vrt.string(), gdal.reason()));
+    if (!xml) fail(Cause::io, "cannot read {}{}", vrt.string(), gdal.reason());
     open_.push_back(vrt);
     std::size_t roots = 0;
     for (const CPLXMLNode* node = xml.get(); node != nullptr; node = node->psNext) {
@@ -386,28 +371,25 @@ class Guard {
     }
     if (text == nullptr) refuse(vrt, "SourceFilename without a name");
     const fs::path name = text->pszValue;
-    if (is_address(name.string())) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} has the source {}, which is not a local file", vrt.string(), name.string()));
-    }
+    if (is_address(name.string()))
+      fail(Cause::unsupported, "{} has the source {}, which is not a local file", vrt.string(), name.string());
     const bool beside = std::atoi(CPLGetXMLValue(&element, "relativeToVRT", "0")) != 0;  // as GDAL parses it
     const fs::path real = regular_file(beside ? vrt.parent_path() / name : name);
     if (!may_lead_to(real, vrt.parent_path(), options_)) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("{} has the source {}, outside its folder. To read it, add InputOptions::allow_outside {}",
-                      vrt.string(), real.string(), real.parent_path().string()));
+      fail(Cause::unsupported,
+           "{} has the source {}, outside its folder. To read it, add InputOptions::allow_outside {}", vrt.string(),
+           real.string(), real.parent_path().string());
     }
-    if (std::find(open_.begin(), open_.end(), real) != open_.end()) {
-      throw Failure(Cause::unsupported, fmt::format("{} is a source of itself", real.string()));
-    }
+    if (std::find(open_.begin(), open_.end(), real) != open_.end())
+      fail(Cause::unsupported, "{} is a source of itself", real.string());
     return admit_inner(real);
   }
 
   [[noreturn]] static void refuse(const fs::path& vrt, std::string_view what) {
-    throw Failure(Cause::unsupported, fmt::format("{} is a virtual raster with {}; Talus reads only bands of simple or "
-                                                  "complex sources. Copy it with gdal_translate first",
-                                                  vrt.string(), what));
+    fail(Cause::unsupported,
+         "{} is a virtual raster with {}; Talus reads only bands of simple or complex sources. Copy it with "
+         "gdal_translate first",
+         vrt.string(), what);
   }
 
   const InputOptions& options_;

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <variant>
 
 #include "ingest/mosaic/common_grid.hpp"
 
 namespace talus {
 namespace {
 
-GridRect with(GridRect rect, GridPoint p) {
-  if (rect.cols() < 1) return {p, p};
-  return {{std::min(rect.first.col, p.col), std::min(rect.first.row, p.row)},
-          {std::max(rect.last.col, p.col), std::max(rect.last.row, p.row)}};
-}
+GridRect with(GridRect rect, GridPoint p) { return is_empty(rect) ? GridRect{p, p} : around(rect, {p, p}); }
 
 TileId tile_of(GridPoint p) { return {p.col >> kTileShift, p.row >> kTileShift}; }
 std::uint64_t place_of(TileId id) { return curve_position({1, id.x, id.y}); }
@@ -42,24 +37,16 @@ void note(Changes& changes, const Description& d, GridPoint p, bool was_void, do
 }
 
 void compare(Changes& changes, const Description& d, const Window& fresh, const Window& old) {
-  const GridRect& part = fresh.region;
-  std::visit(
-      [&](const auto& now) {
-        std::size_t i = 0;
-        for (std::int32_t row = part.first.row; row <= part.last.row; ++row) {
-          for (std::int32_t col = part.first.col; col <= part.last.col; ++col, ++i) {
-            if (!fresh.valid.empty() && fresh.valid[i] == 0) continue;
-            const bool was_void = old.valid[i] == 0;
-            const auto after = static_cast<double>(now[i]);
-            const double before =
-                std::visit([&](const auto& codes) { return static_cast<double>(codes[i]); }, old.codes);
-            // Compare bits: -0.0 is stored as -0.0.
-            if (!was_void && std::bit_cast<std::uint64_t>(after) == std::bit_cast<std::uint64_t>(before)) continue;
-            note(changes, d, {col, row}, was_void, d.step.value(after) - d.step.value(before));
-          }
-        }
-      },
-      fresh.codes);
+  const CodeSpan now = view(fresh.codes), then = view(old.codes);
+  for_each_point(fresh.region, [&](GridPoint p) {
+    const std::size_t i = index_in(fresh.region, p);
+    if (!fresh.valid.empty() && fresh.valid[i] == 0) return;
+    const bool was_void = old.valid[i] == 0;
+    const double after = code_at(now, i), before = code_at(then, i);
+    // Compare bits: -0.0 is stored as -0.0.
+    if (!was_void && std::bit_cast<std::uint64_t>(after) == std::bit_cast<std::uint64_t>(before)) return;
+    note(changes, d, p, was_void, d.step.value(after) - d.step.value(before));
+  });
 }
 
 }  // namespace
@@ -71,7 +58,7 @@ Codes codes_of_kind(std::size_t kind, std::size_t samples) {
 }
 
 bool Changes::touches(GridRect window) const {
-  if (window.cols() < 1 || window.rows() < 1) return false;
+  if (is_empty(window)) return false;
   const TileId first = tile_of(window.first), last = tile_of(window.last);
   for (std::int32_t y = first.y; y <= last.y; ++y) {
     for (std::int32_t x = first.x; x <= last.x; ++x) {

@@ -1,24 +1,20 @@
 #include "ingest/job/existing_database.hpp"
 
 #include <algorithm>
-#include <variant>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/page/page_codec.hpp"
 #include "ingest/mosaic/common_grid.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 
 ExistingDatabase::ExistingDatabase(const std::filesystem::path& database) : txn_(PageStore::open(database)) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
-  if (!header)
-    throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", database.string()));
+  if (!header) fail(Cause::corrupt, "{}: not a Talus database: it has no header", database.string());
   try {
     manifest_ = decode_manifest(header->content);
   } catch (const Failure& f) {
-    throw Failure(f.cause(), fmt::format("{}: {}", database.string(), f.what()));
+    fail(f.cause(), "{}: {}", database.string(), f.what());
   }
 }
 
@@ -49,22 +45,12 @@ void ExistingDatabase::fill(Window& window) const {
       if (!stored) continue;  // a page without data is not stored
       const Page& page = decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content);
       txn_.require_all_bytes();
-      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-          const GridPoint p = page.grid.at(col, row);
-          const std::size_t from = page.index(col, row);
-          if (!window.region.contains(p) || (!page.valid.empty() && !page.valid[from])) continue;
-          const std::size_t to = index_in(window.region, p);
-          if (window.valid[to]) continue;
-          window.valid[to] = 1;
-          std::visit(
-              [&](auto& codes) {
-                codes[to] =
-                    static_cast<typename std::remove_reference_t<decltype(codes)>::value_type>(page.heights[from]);
-              },
-              window.codes);
-        }
-      }
+      for_each_in(page.grid, window.region, [&](std::size_t from, GridPoint p) {
+        const std::size_t to = index_in(window.region, p);
+        if (!page.is_data(from) || window.valid[to]) return;
+        window.valid[to] = 1;
+        set_code(window.codes, to, page.heights[from]);
+      });
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/geo/ground.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/tile/coarse_levels.hpp"
 #include "ingest/files/gdal_scope.hpp"
@@ -236,26 +237,19 @@ std::string seam_note(const SeamReport& seams) {
 }
 
 void require_sense(const IngestOptions& options) {
-  if (!(options.void_weight >= 0) || options.void_weight > 1e6) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("void weight {}: expected a number from 0 to 1000000", options.void_weight));
-  }
+  if (!(options.void_weight >= 0) || options.void_weight > 1e6)
+    refuse("void weight {}: expected a number from 0 to 1000000", options.void_weight);
   if (options.finest_tolerance.value > 0 && options.error_metric != ErrorMetric::vertical) {
-    throw Failure(Cause::invalid_argument,
-                  "a finest tolerance leaves out heights that vertical errors vouch for: it does not go with the "
-                  "perpendicular metric");
+    refuse(
+        "a finest tolerance leaves out heights that vertical errors vouch for: it does not go with the perpendicular "
+        "metric");
   }
   const double coarsest = 1e6;
-  if (!(options.finest_tolerance.value >= 0) || options.finest_tolerance.value > coarsest) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("finest tolerance {} m: expected 0 to {} m", options.finest_tolerance.value, coarsest));
-  }
+  if (!(options.finest_tolerance.value >= 0) || options.finest_tolerance.value > coarsest)
+    refuse("finest tolerance {} m: expected 0 to {} m", options.finest_tolerance.value, coarsest);
   if (options.finest_tolerance.value > 0 && options.finest_tolerance.value <= options.inputs.height_step.value / 2) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format(
-            "finest tolerance {} m: heights rounded to multiples of {} m are up to {} m off. Choose a larger tolerance",
-            options.finest_tolerance.value, options.inputs.height_step.value, options.inputs.height_step.value / 2));
+    refuse("finest tolerance {} m: heights rounded to multiples of {} m are up to {} m off. Choose a larger tolerance",
+           options.finest_tolerance.value, options.inputs.height_step.value, options.inputs.height_step.value / 2);
   }
 }
 
@@ -331,8 +325,8 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
   std::vector<PageBytes> coarse;
   const Totals totals = compute_coarse(job, writer, report, coarse);
   if (totals.valid == 0) {
-    throw Failure(Cause::invalid_argument, fmt::format("{}: all {} samples are void; there is nothing to ingest",
-                                                       job.description.source_name, job.description.extent.samples()));
+    refuse("{}: all {} samples are void; there is nothing to ingest", job.description.source_name,
+           job.description.extent.samples());
   }
   report.pages += coarse.size();
   progress.rest("checking that the inputs are unchanged", 0.98);

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/page/page_codec.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "ingest/job/plan.hpp"
 #include "storage/page_store.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -145,10 +145,8 @@ void verify_left_work(const fs::path& part, const Description& description, cons
     Check(txn, description, tell).run();
   } catch (const Failure& f) {
     if (f.cause() != Cause::corrupt) throw;
-    throw Failure(Cause::corrupt,
-                  fmt::format("{}: is damaged: {}. It cannot be resumed; start again with IngestOptions::overwrite",
-                              part.string(), words_of(f, part)),
-                  part);
+    fail_in(part, Cause::corrupt, "{}: is damaged: {}. It cannot be resumed; start again with IngestOptions::overwrite",
+            part.string(), words_of(f, part));
   }
 }
 

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "ingest/job/panels.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -36,15 +34,13 @@ WorkingMemory budget_for(std::uint64_t memory_bytes, int threads, GridRect exten
   if (needed(1, 1) > memory_bytes) budget.gdal_cache_bytes = 16 * kMiB;
   if (needed(1, 1) > memory_bytes) {
     if (block_bytes > 64 * kMiB) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("a limit of {} bytes of memory is too small: an input has blocks of {} MiB, and each is read as "
-                      "a whole. Allow at least {} MiB, or write the input in tiles (gdal_translate -co TILED=YES)",
-                      memory_bytes, block_bytes / kMiB, needed(1, 1) / kMiB + 1));
+      refuse(
+          "a limit of {} bytes of memory is too small: an input has blocks of {} MiB, and each is read as a whole. "
+          "Allow at least {} MiB, or write the input in tiles (gdal_translate -co TILED=YES)",
+          memory_bytes, block_bytes / kMiB, needed(1, 1) / kMiB + 1);
     }
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("a limit of {} bytes of memory is too small: {} × {} samples need {} MiB at least",
-                              memory_bytes, extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1));
+    refuse("a limit of {} bytes of memory is too small: {} × {} samples need {} MiB at least", memory_bytes,
+           extent.cols(), extent.rows(), needed(1, 1) / kMiB + 1);
   }
   budget.threads = static_cast<unsigned>(threads_or_all(threads));
   while (budget.threads > 1 && needed(budget.threads, 1) > memory_bytes) --budget.threads;

@@ -55,11 +55,6 @@ void prepare(Window& window, const Window& other, GridRect region, bool masked) 
 
 }  // namespace
 
-GridRect tiles_of(GridRect extent) {
-  return {{(extent.first.col - kBlockSide) >> kTileShift, (extent.first.row - kBlockSide) >> kTileShift},
-          {(extent.last.col + kBlockSide) >> kTileShift, (extent.last.row + kBlockSide) >> kTileShift}};
-}
-
 std::vector<Panel> panels_of(GridRect extent, std::int32_t tiles_across) {
   const GridRect tiles = tiles_of(extent);
   std::vector<Panel> panels;

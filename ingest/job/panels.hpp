@@ -20,10 +20,6 @@ struct Panel {
   std::int32_t first_col = 0, last_col = -1;  ///< the panel's own columns
 };
 
-/// The tiles of an extent. Their squares hold a sample, or lie within a block of one: vertices beyond the extent pass
-/// errors on.
-[[nodiscard]] GridRect tiles_of(GridRect extent);
-
 /// Panels of at most `tiles_across` tiles, column by column of panels, so that a panel shares its first rows with the
 /// panel before.
 [[nodiscard]] std::vector<Panel> panels_of(GridRect extent, std::int32_t tiles_across);

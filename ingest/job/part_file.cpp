@@ -7,13 +7,12 @@
 #include <vector>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/machine/fail.hpp"
 #include "storage/page_store.hpp"
-#include "talus/failure.hpp"
 #include "talus/ingest.hpp"
 
 namespace talus {
@@ -23,7 +22,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& file, int error) {
   const Cause cause = error == ENOSPC || error == EDQUOT ? Cause::full : error == ENOENT ? Cause::not_found : Cause::io;
-  throw Failure(cause, fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)), file);
+  fail_in(file, cause, "{}: cannot be written: {}", file.string(), std::strerror(error));
 }
 
 /// Only files with a header of our kind, in any version, are overwritten: a mistyped command must not replace a raster.
@@ -54,31 +53,25 @@ std::optional<FileState> require_replaceable(const fs::path& database, const fs:
   std::error_code ignored;
   const fs::file_status status = fs::status(target, ignored);
   if (database.filename().empty() || fs::is_directory(status)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{}: is a folder. Name a file: a database is one file", database.string()), database);
+    fail_in(database, Cause::invalid_argument, "{}: is a folder. Name a file: a database is one file",
+            database.string());
   }
   if (!fs::exists(status)) return std::nullopt;
   if (!overwrite) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{}: exists already; replace it with IngestOptions::overwrite or choose another name",
-                              database.string()),
-                  database);
+    fail_in(database, Cause::invalid_argument,
+            "{}: exists already; replace it with IngestOptions::overwrite or choose another name", database.string());
   }
   if (!fs::is_regular_file(status) || !is_a_database(target)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{}: exists, but is damaged or not a Talus database. Remove it or choose another name",
-                              database.string()),
-                  database);
+    fail_in(database, Cause::invalid_argument,
+            "{}: exists, but is damaged or not a Talus database. Remove it or choose another name", database.string());
   }
   struct stat about {};
   if (::stat(target.c_str(), &about) != 0) fail(database, errno);
   const auto mode = about.st_mode & 07777u;
   // Root may write every file, so the mode counts as well.
   if ((mode & 0222u) == 0 || ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
-    throw Failure(
-        Cause::io,
-        fmt::format("{}: is write-protected (mode {:04o}). Allow writing to it first", database.string(), mode),
-        database);
+    fail_in(database, Cause::io, "{}: is write-protected (mode {:04o}). Allow writing to it first", database.string(),
+            mode);
   }
   return state_of(target);
 }
@@ -92,10 +85,10 @@ fs::path followed(const fs::path& name) {
     std::error_code error;
     if (!fs::is_symlink(fs::symlink_status(at, error))) return at;
     const fs::path to = fs::read_symlink(at, error);
-    if (error) throw Failure(Cause::io, fmt::format("{}: {}", at.string(), error.message()), name);
+    if (error) fail_in(name, Cause::io, "{}: {}", at.string(), error.message());
     at = to.is_absolute() ? to : at.parent_path() / to;
   }
-  throw Failure(Cause::invalid_argument, fmt::format("{}: its symbolic links lead in a circle", name.string()), name);
+  fail_in(name, Cause::invalid_argument, "{}: its symbolic links lead in a circle", name.string());
 }
 
 fs::path unfinished_file(const fs::path& database) { return followed(database).string() + ".part"; }
@@ -125,17 +118,13 @@ void PartFile::lock() {
     }, named{};
     if (::fstat(handle_, &locked) != 0 || !S_ISREG(locked.st_mode)) {
       ::close(handle_);
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("{}: is not a file, but Talus needs this name for its work. Move it away", part_.string()),
-          part_);
+      fail_in(part_, Cause::invalid_argument, "{}: is not a file, but Talus needs this name for its work. Move it away",
+              part_.string());
     }
     if (::flock(handle_, LOCK_EX | LOCK_NB) != 0) {
       ::close(handle_);
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("{}: another ingest or update is writing it. Try again when that has ended", part_.string()),
-          part_);
+      fail_in(part_, Cause::invalid_argument,
+              "{}: another ingest or update is writing it. Try again when that has ended", part_.string());
     }
     if (::stat(part_.c_str(), &named) == 0 && is_same_file(locked, named)) {
       keep_ = true;  // until we know that it is worthless
@@ -144,9 +133,7 @@ void PartFile::lock() {
     }
     ::close(handle_);
   }
-  throw Failure(Cause::io,
-                fmt::format("{}: other programs keep replacing it. Try again when they have ended", part_.string()),
-                part_);
+  fail_in(part_, Cause::io, "{}: other programs keep replacing it. Try again when they have ended", part_.string());
 }
 
 void PartFile::look_at_database(bool overwrite) { replaced_ = require_replaceable(database_, target_, overwrite); }
@@ -154,36 +141,29 @@ void PartFile::look_at_database(bool overwrite) { replaced_ = require_replaceabl
 void PartFile::look_at_left(Left left) {
   const bool is_ours = is_unfinished_database(handle_);
   if (!is_ours && left == Left::resume) {
-    throw Failure(Cause::corrupt,
-                  fmt::format("{}: is damaged, or was not written by an ingest. Move it away and start again without "
-                              "IngestOptions::resume",
-                              part_.string()),
-                  part_);
+    fail_in(
+        part_, Cause::corrupt,
+        "{}: is damaged, or was not written by an ingest. Move it away and start again without IngestOptions::resume",
+        part_.string());
   }
   if (!is_ours) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{}: exists and was not written by an ingest, but Talus needs this name for its work. Move it away",
-                    part_.string()),
-        part_);
+    fail_in(part_, Cause::invalid_argument,
+            "{}: exists and was not written by an ingest, but Talus needs this name for its work. Move it away",
+            part_.string());
   }
   const bool is_empty = !keep_;
   if (!is_empty && left != Left::replace) {
     const LeftWork work = left_work_in(part_);
     if (left == Left::resume && work.kind == LeftWork::Kind::damaged) {
-      throw Failure(Cause::corrupt,
-                    fmt::format("{}: is damaged: {}. It cannot be resumed; start again with IngestOptions::overwrite",
-                                part_.string(), work.damage),
-                    part_);
+      fail_in(part_, Cause::corrupt,
+              "{}: is damaged: {}. It cannot be resumed; start again with IngestOptions::overwrite", part_.string(),
+              work.damage);
     }
     if (left == Left::resume && work.kind == LeftWork::Kind::update) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format(
-              "{}: is from an interrupted update ({}), which cannot be resumed. The database is unchanged. Start "
-              "again without IngestOptions::resume",
-              part_.string(), work.title),
-          part_);
+      fail_in(part_, Cause::invalid_argument,
+              "{}: is from an interrupted update ({}), which cannot be resumed. The database is unchanged. Start again "
+              "without IngestOptions::resume",
+              part_.string(), work.title);
     }
     if (left == Left::resume) {
       left_ = work;
@@ -191,12 +171,10 @@ void PartFile::look_at_left(Left left) {
     }
     const bool is_worthless = work.kind == LeftWork::Kind::update && replaced_;
     if (work.tiles > 0 && !is_worthless) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("{}: holds an interrupted ingest. Continue it with IngestOptions::resume, or start again with "
-                      "IngestOptions::overwrite",
-                      part_.string()),
-          part_);
+      fail_in(part_, Cause::invalid_argument,
+              "{}: holds an interrupted ingest. Continue it with IngestOptions::resume, or start again with "
+              "IngestOptions::overwrite",
+              part_.string());
     }
   }
   if (::ftruncate(handle_, 0) != 0) fail(part_, errno);
@@ -209,10 +187,9 @@ void PartFile::take_owner_and_mode() const {
   if (::stat(target_.c_str(), &theirs) != 0 || ::fstat(handle_, &ours) != 0) fail(database_, errno);
   const bool same_owner = theirs.st_uid == ours.st_uid && theirs.st_gid == ours.st_gid;
   if (!same_owner && ::fchown(handle_, theirs.st_uid, theirs.st_gid) != 0) {
-    throw Failure(Cause::io,
-                  fmt::format("{}: belongs to user {}, group {}. Only they or root can replace it and keep the owner",
-                              database_.string(), theirs.st_uid, theirs.st_gid),
-                  database_);
+    fail_in(database_, Cause::io,
+            "{}: belongs to user {}, group {}. Only they or root can replace it and keep the owner", database_.string(),
+            theirs.st_uid, theirs.st_gid);
   }
   if (::fchmod(handle_, theirs.st_mode & 07777u) != 0) fail(part_, errno);
 }
@@ -262,11 +239,9 @@ void PartFile::require_database_unchanged() const {
   }
   if (now == replaced_) return;
   const char* what = !replaced_ ? "was made" : !now ? "was removed" : "was replaced or changed";
-  throw Failure(
-      Cause::io,
-      fmt::format("{}: {} by another program meanwhile; nothing was changed. Look at it and run the command again",
-                  database_.string(), what),
-      database_);
+  fail_in(database_, Cause::io,
+          "{}: {} by another program meanwhile; nothing was changed. Look at it and run the command again",
+          database_.string(), what);
 }
 
 void PartFile::publish() {
@@ -275,12 +250,9 @@ void PartFile::publish() {
   }, named{};
   if (::fstat(handle_, &locked) != 0 || ::stat(part_.c_str(), &named) != 0 || !is_same_file(locked, named)) {
     keep_ = true;  // it belongs to another program
-    throw Failure(
-        Cause::io,
-        fmt::format(
+    fail_in(part_, Cause::io,
             "{}: was removed or replaced by another program meanwhile; nothing was changed. Run the command again",
-            part_.string()),
-        part_);
+            part_.string());
   }
   require_database_unchanged();
   int renamed = -1;
@@ -300,24 +272,18 @@ void require_target(const fs::path& database, bool overwrite, std::uint64_t byte
   const fs::path target = followed(database), part = unfinished_file(database), folder = folder_of(target);
   static_cast<void>(require_replaceable(database, target, overwrite));
   std::error_code error;
-  if (!fs::is_directory(folder, error)) {
-    throw Failure(Cause::not_found,
-                  fmt::format("{}: there is no folder {}; make it first", database.string(), folder.string()), folder);
-  }
-  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
-    throw Failure(Cause::io,
-                  fmt::format("{}: cannot write in {}: {}", database.string(), folder.string(), std::strerror(errno)),
-                  folder);
-  }
+  if (!fs::is_directory(folder, error))
+    fail_in(folder, Cause::not_found, "{}: there is no folder {}; make it first", database.string(), folder.string());
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    fail_in(folder, Cause::io, "{}: cannot write in {}: {}", database.string(), folder.string(), std::strerror(errno));
   const fs::space_info space = fs::space(folder, error);
   std::error_code none;
   const auto left = fs::file_size(part, none);  // will be reused or replaced
   const std::uint64_t room = error ? bytes : space.available + (none ? 0 : left);
   if (room < bytes) {
-    throw Failure(Cause::full,
-                  fmt::format("{}: about {} MB are needed and {} MB are free in {}; free some space or write elsewhere",
-                              database.string(), (bytes + 999'999) / 1'000'000, room / 1'000'000, folder.string()),
-                  folder);
+    fail_in(folder, Cause::full,
+            "{}: about {} MB are needed and {} MB are free in {}; free some space or write elsewhere",
+            database.string(), (bytes + 999'999) / 1'000'000, room / 1'000'000, folder.string());
   }
 }
 

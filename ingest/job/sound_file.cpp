@@ -1,9 +1,7 @@
 #include "ingest/job/sound_file.hpp"
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "storage/page_store.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 
@@ -12,10 +10,8 @@ void require_sound_file(const std::filesystem::path& database) {
   if (const auto findings = check_structure(database); !findings.empty()) finding = findings.front();
   if (finding.empty()) finding = check_seal(database);
   if (finding.empty()) return;
-  throw Failure(Cause::corrupt,
-                fmt::format("corrupt: {}: is damaged: {}. It was not changed. Ingest its sources again",
-                            database.string(), finding),
-                database);
+  fail_in(database, Cause::corrupt, "corrupt: {}: is damaged: {}. It was not changed. Ingest its sources again",
+          database.string(), finding);
 }
 
 }  // namespace talus

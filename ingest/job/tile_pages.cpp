@@ -139,13 +139,10 @@ class Histogram {
   /// Counts a page of band 0 or 1, which is never the coarsest.
   void count(const Page& page) {
     const auto own_spacing = static_cast<std::uint32_t>(band_spacing(page.id.band + 1)) - 1;
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        const GridPoint p = page.grid.at(col, row);
-        const bool is_own = (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) != 0;
-        by_code_[page.errors[page.index(col, row)]] += is_own ? 1 : 0;
-      }
-    }
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      const bool is_own = (static_cast<std::uint32_t>(p.col | p.row) & own_spacing) != 0;
+      by_code_[page.errors[i]] += is_own ? 1 : 0;
+    });
   }
   [[nodiscard]] ErrorHistogram above_rungs() const {
     ErrorHistogram above{};
@@ -174,13 +171,7 @@ class TilePacker {
  public:
   TilePacker(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making,
              TilePacking& memory)
-      : id_(id),
-        tile_(tile),
-        valid_(valid),
-        making_(making),
-        window_(tile_window(id, making.extent)),
-        encoder_(memory.encoder),
-        page_(memory.page) {}
+      : id_(id), tile_(tile), valid_(valid), making_(making), encoder_(memory.encoder), page_(memory.page) {}
 
   TilePages run() {
     if (tile_.all_void) {
@@ -327,16 +318,14 @@ class TilePacker {
   /// Keeps every 64th sample. The page of band 1 has every 8th.
   void keep_posts(const Page& page) {
     constexpr std::int32_t kStep = kBlockSide >> band_shift(1);
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        const std::int32_t x = (page.grid.first.col + col) & (kPageSide - 1);
-        const std::int32_t y = (page.grid.first.row + row) & (kPageSide - 1);
-        if (x % kStep != 0 || y % kStep != 0) continue;
-        const auto post = static_cast<std::size_t>(y / kStep * kTileBlocks + x / kStep);
-        made_.summary.posts[post] = page.heights[page.index(col, row)];
-        made_.summary.post_valid[post] = page.valid.empty() ? 1 : page.valid[page.index(col, row)];
-      }
-    }
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      const std::int32_t x = (p.col >> page.grid.shift) & (kPageSide - 1);
+      const std::int32_t y = (p.row >> page.grid.shift) & (kPageSide - 1);
+      if (x % kStep != 0 || y % kStep != 0) return;
+      const auto post = static_cast<std::size_t>(y / kStep * kTileBlocks + x / kStep);
+      made_.summary.posts[post] = page.heights[i];
+      made_.summary.post_valid[post] = page.is_data(i) ? 1 : 0;
+    });
   }
 
   [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(window_, p); }
@@ -345,7 +334,7 @@ class TilePacker {
   const TileErrors& tile_;
   std::span<const std::uint8_t> valid_;
   const PageMaking& making_;
-  GridRect window_;
+  GridRect window_ = tile_window(id_, making_.extent);
   TilePages made_;
   Histogram histogram_;
   PageEncoder& encoder_;
@@ -368,13 +357,10 @@ void pack_coarse(const CoarseLevels& levels, Entries entries, const PageMaking& 
     Entries above;
     for (const PageId id : pages_of_band(band, making.extent)) {
       begin_page(page, id, making, voids);
-      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-          const std::size_t i = page.index(col, row);
-          page.heights[i] = levels.height(page.grid.at(col, row));
-          if (voids) page.valid[i] = levels.is_valid(page.grid.at(col, row)) ? 1 : 0;
-        }
-      }
+      for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+        page.heights[i] = levels.height(p);
+        if (voids) page.valid[i] = levels.is_valid(p) ? 1 : 0;
+      });
       ChildEntry entry = complete(
           page, making, voids, [&](GridPoint p, std::size_t) { return levels.error(p); },
           [&](GridPoint p, std::size_t) {

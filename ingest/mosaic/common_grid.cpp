@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "ingest/raster/crs.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 
@@ -19,11 +19,10 @@ std::optional<GridRect> place_on(const GridMapping& grid, const RasterFacts& ras
   if (!(off + drift <= kOnTheGrid)) return std::nullopt;
   constexpr double kFar = kMaxExtent;
   if (std::abs(col) > kFar || std::abs(row) > kFar) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} lies {} columns and {} rows away from the first sample of its grid, but a database "
-                              "has at most {} a side",
-                              raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent),
-                  raster.name);
+    fail_in(
+        raster.name, Cause::invalid_argument,
+        "{} lies {} columns and {} rows away from the first sample of its grid, but a database has at most {} a side",
+        raster.name, std::nearbyint(col), std::nearbyint(row), kMaxExtent);
   }
   const GridPoint at{static_cast<std::int32_t>(std::nearbyint(col)), static_cast<std::int32_t>(std::nearbyint(row))};
   return GridRect{at, {at.col + raster.cols - 1, at.row + raster.rows - 1}};

@@ -8,8 +8,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "storage/checksum.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -73,10 +73,8 @@ std::uint64_t InputFiles::checksum(std::size_t input) const {
 
 void InputFiles::fail(const FileState& file, const std::string& what) {
   is_changed_ = true;
-  throw Failure(Cause::io,
-                fmt::format("{}: changed while it was read: it {}. Start again when nothing writes to the inputs",
-                            file.file.string(), what),
-                file.file);
+  fail_in(file.file, Cause::io, "{}: changed while it was read: it {}. Start again when nothing writes to the inputs",
+          file.file.string(), what);
 }
 
 FileState InputFiles::state_now(const FileState& then) {

@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "ingest/mosaic/common_grid.hpp"
 #include "ingest/mosaic/laid_rasters.hpp"
 #include "ingest/mosaic/warp.hpp"
 #include "ingest/raster/crs.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -58,9 +58,8 @@ GridMapping cells_for(const RasterFacts& first, const LaidRasters& laid, const s
   const bool sized = options.target_dx != 0 || options.target_dy != 0;
   const auto is_size = [](double v) { return std::isfinite(v) && v > 0; };
   if (sized && !(is_size(options.target_dx) && is_size(options.target_dy))) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("InputOptions::target_dx {} {}: expected a width and a height above 0", options.target_dx,
-                              options.target_dy));
+    refuse("InputOptions::target_dx {} {}: expected a width and a height above 0", options.target_dx,
+           options.target_dy);
   }
   if (is_same_crs && !first.is_rotated) {
     const GridMapping& own = first.mapping;
@@ -92,18 +91,17 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
   if (!options.target_srs.empty()) {
     const OGRSpatialReference asked = crs_from(wkt_of(options.target_srs, "InputOptions::target_srs"));
     if (first.crs_wkt.empty()) {
-      throw Failure(Cause::unsupported, fmt::format("{} states no coordinate system, so it cannot be transformed to "
-                                                    "InputOptions::target_srs. Name its own with InputOptions::srs",
-                                                    first.name));
+      fail(Cause::unsupported,
+           "{} states no coordinate system, so it cannot be transformed to InputOptions::target_srs. Name its own with "
+           "InputOptions::srs",
+           first.name);
     }
     const OGRSpatialReference own = crs_from(first.crs_wkt);
     if (has_heights(asked) ? !same_heights(asked, own) : has_heights(own) && own.IsCompound() == 0) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format(
-              "{} has heights of another kind than InputOptions::target_srs {}, and Talus does not convert heights. "
-              "Without a vertical part, InputOptions::target_srs keeps the vertical coordinate system of the input",
-              first.name, options.target_srs));
+      fail(Cause::unsupported,
+           "{} has heights of another kind than InputOptions::target_srs {}, and Talus does not convert heights. "
+           "Without a vertical part, InputOptions::target_srs keeps the vertical coordinate system of the input",
+           first.name, options.target_srs);
     }
     target.crs_wkt = with_heights_of(asked, own);
   }
@@ -115,19 +113,20 @@ Target target_of(const std::vector<RasterFacts>& rasters, const std::vector<Laid
 
 void require_same_unit(const RasterFacts& raster, const Target& target) {
   if (raster.metres_per_unit == target.metres_per_unit) return;
-  throw Failure(Cause::unsupported, fmt::format("{} has heights in {}, {} in {}. Convert them to one unit first, or "
-                                                "name the unit of all with InputOptions::vertical_unit",
-                                                raster.name, raster.vertical_unit, target.whose, target.vertical_unit));
+  fail(Cause::unsupported,
+       "{} has heights in {}, {} in {}. Convert them to one unit first, or name the unit of all with "
+       "InputOptions::vertical_unit",
+       raster.name, raster.vertical_unit, target.whose, target.vertical_unit);
 }
 
 /// Refuses heights of another kind than the target's.
 void require_same_heights(const RasterFacts& raster, const Target& target) {
   const OGRSpatialReference own = crs_from(raster.crs_wkt), wanted = crs_from(target.crs_wkt);
   if (raster.crs_wkt.empty() || target.crs_wkt.empty() || same_heights(own, wanted)) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{} states other heights in its coordinate system than {}, and Talus does not convert "
-                            "heights. If a file is wrong, name the right coordinate system with InputOptions::srs",
-                            raster.name, target.whose));
+  fail(Cause::unsupported,
+       "{} states other heights in its coordinate system than {}, and Talus does not convert heights. If a file is "
+       "wrong, name the right coordinate system with InputOptions::srs",
+       raster.name, target.whose);
 }
 
 [[noreturn]] void refuse_grid(const RasterFacts& raster, const Target& target, bool is_same_crs) {
@@ -136,22 +135,18 @@ void require_same_heights(const RasterFacts& raster, const Target& target) {
       "or on that of a database with InputOptions::grid";
   if (raster.crs_wkt.empty() != target.crs_wkt.empty()) {
     const bool is_target = !raster.crs_wkt.empty();
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} states no coordinate system, but {} does. Name it with InputOptions::srs",
-                              is_target ? target.whose : raster.name, is_target ? raster.name : target.whose),
-                  raster.name);
+    fail_in(raster.name, Cause::unsupported,
+            "{} states no coordinate system, but {} does. Name it with InputOptions::srs",
+            is_target ? target.whose : raster.name, is_target ? raster.name : target.whose);
   }
   if (!is_same_crs) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is in another coordinate system than {}. {}. If a file states a wrong one, name the "
-                              "right one of all inputs with InputOptions::srs",
-                              raster.name, target.whose, kWays),
-                  raster.name);
+    fail_in(raster.name, Cause::unsupported,
+            "{} is in another coordinate system than {}. {}. If a file states a wrong one, name the right one of all "
+            "inputs with InputOptions::srs",
+            raster.name, target.whose, kWays);
   }
-  throw Failure(Cause::unsupported,
-                fmt::format("{} has cells of {}, but {} has cells of {}. {}", raster.name, cells_of(raster.mapping),
-                            target.whose, cells_of(target.mapping), kWays),
-                raster.name);
+  fail_in(raster.name, Cause::unsupported, "{} has cells of {}, but {} has cells of {}. {}", raster.name,
+          cells_of(raster.mapping), target.whose, cells_of(target.mapping), kWays);
 }
 
 /// Several rasters need positions; a raster with a CRS needs one, too.
@@ -159,27 +154,23 @@ void require_positions(const std::vector<RasterFacts>& rasters) {
   for (const RasterFacts& raster : rasters) {
     if (raster.is_placed) continue;
     if (!raster.other_position.empty()) {
-      throw Failure(
-          Cause::unsupported,
-          fmt::format("{} states its position by {}, not by a grid. Resample it to a grid with gdalwarp first",
-                      raster.name, raster.other_position),
-          raster.name);
+      fail_in(raster.name, Cause::unsupported,
+              "{} states its position by {}, not by a grid. Resample it to a grid with gdalwarp first", raster.name,
+              raster.other_position);
     }
     if (rasters.size() > 1) {
       const auto bare =
           std::count_if(rasters.begin(), rasters.end(), [](const RasterFacts& r) { return !r.is_placed; });
-      throw Failure(Cause::unsupported,
-                    fmt::format("{}{} no position, so it cannot be joined with others. Add a position, for instance "
-                                "with gdal_translate -a_ullr or a world file",
-                                raster.name, bare == 1 ? " states" : fmt::format(" and {} more state", bare - 1)),
-                    raster.name);
+      fail_in(raster.name, Cause::unsupported,
+              "{}{} no position, so it cannot be joined with others. Add a position, for instance with gdal_translate "
+              "-a_ullr or a world file",
+              raster.name, bare == 1 ? " states" : fmt::format(" and {} more state", bare - 1));
     }
     if (!raster.crs_wkt.empty()) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} has a coordinate system but states no position in it. Add one, for instance with "
-                                "gdal_translate -a_ullr or a world file",
-                                raster.name),
-                    raster.name);
+      fail_in(raster.name, Cause::unsupported,
+              "{} has a coordinate system but states no position in it. Add one, for instance with gdal_translate "
+              "-a_ullr or a world file",
+              raster.name);
     }
   }
 }
@@ -279,10 +270,9 @@ GridRect extent_of(const std::vector<RasterFacts>& rasters, const Placement& pla
   const std::int64_t cols = east - west + 1, rows = south - north + 1;
   if (west < -kMaxExtent || north < -kMaxExtent || east > kMaxExtent || south > kMaxExtent || cols > kMaxExtent ||
       rows > kMaxExtent || cols > kMostSamples / rows) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} {} {} x {} samples, but a database has at most {} a side and {} in all",
-                              name_of_all(rasters.front().name, rasters.size()), rasters.size() == 1 ? "has" : "have",
-                              cols, rows, kMaxExtent, kMostSamples));
+    refuse("{} {} {} x {} samples, but a database has at most {} a side and {} in all",
+           name_of_all(rasters.front().name, rasters.size()), rasters.size() == 1 ? "has" : "have", cols, rows,
+           kMaxExtent, kMostSamples);
   }
   return {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
           {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};

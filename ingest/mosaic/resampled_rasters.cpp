@@ -2,21 +2,13 @@
 
 #include <vector>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
-#include "talus/failure.hpp"
+#include "ingest/raster/raster_source.hpp"
 
 namespace talus {
 namespace {
-
-template <class T>
-constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
-                                   : std::is_same_v<T, std::int16_t> ? GDT_Int16
-                                   : std::is_same_v<T, std::int32_t> ? GDT_Int32
-                                   : std::is_same_v<T, float>        ? GDT_Float32
-                                                                     : GDT_Float64;
 
 /// part  rectangle of the warped dataset, counted from its own first sample
 template <class T>
@@ -30,7 +22,7 @@ void read_band(GDALDatasetH warped, int number, GridRect part, GDALDatasetH laid
   rethrow_failure(laid);
   // GDAL also reports points without a place in the other CRS, which is no failure.
   if (outcome == CE_None) return;
-  throw Failure(Cause::io, fmt::format("cannot resample {}{}", name, gdal.reason()), name);
+  fail_in(name, Cause::io, "cannot resample {}{}", name, gdal.reason());
 }
 
 }  // namespace
@@ -69,7 +61,7 @@ void ResampledRasters::read(const RasterFacts& facts, GridRect part, const Raste
     std::fill_n(patch.row(r), cols, T{0});
     std::fill_n(valid.row(r), cols, std::uint8_t{0});
   }
-  if (held.cols() < 1 || held.rows() < 1) return;
+  if (is_empty(held)) return;
   const auto left = static_cast<std::size_t>(held.first.col - there.first.col),
              above = static_cast<std::size_t>(held.first.row - there.first.row);
   const Patch<T> heights{patch.row(above) + left, static_cast<std::size_t>(held.cols()),

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/machine/large_memory.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
@@ -25,7 +26,6 @@
 #include "ingest/raster/crs.hpp"
 #include "ingest/raster/open_rasters.hpp"
 #include "ingest/raster/raster_facts.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -77,11 +77,8 @@ struct Types {
 };
 
 HeightStep forced_step(double metres, double metres_per_unit) {
-  if (!std::isfinite(metres) || metres < 1e-6 || metres > kLargestHeight) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("InputOptions::height_step {}: expected metres from 0.000001 to {}", metres, kLargestHeight));
-  }
+  if (!std::isfinite(metres) || metres < 1e-6 || metres > kLargestHeight)
+    refuse("InputOptions::height_step {}: expected metres from 0.000001 to {}", metres, kLargestHeight);
   const double units = metres / metres_per_unit, parts = std::round(1 / units);
   // A step of 0.1 divides codes by ten: heights are then the doubles nearest to their decimals.
   if (units < 1 && std::abs(units * parts - 1) < 1e-12) return {1, parts, 0, true};
@@ -126,9 +123,10 @@ Types types_of(const std::vector<RasterFacts>& rasters, const InputOptions& opti
     }
   }
   if (wanted && !(types.step == *wanted)) {
-    throw Failure(Cause::unsupported, fmt::format("the database stores heights in {}, which cannot represent those of "
-                                                  "the inputs. Ingest all inputs into a new database",
-                                                  wanted->integer ? "whole steps" : "the source's own numbers"));
+    fail(Cause::unsupported,
+         "the database stores heights in {}, which cannot represent those of the inputs. Ingest all inputs into a new "
+         "database",
+         wanted->integer ? "whole steps" : "the source's own numbers");
   }
   types.source_type = names.size() == 1 ? *names.begin() : name_of(types.width);
   return types;
@@ -389,10 +387,8 @@ Source::Source(const std::vector<fs::path>& inputs, const InputOptions& options)
     }
     plan.rasters.push_back(look_at(std::move(input), file, options));
   }
-  if (plan.rasters.empty()) {
-    throw Failure(Cause::unsupported, fmt::format("no input can be opened; the first: {}", broken.front()),
-                  list.files.front());
-  }
+  if (plan.rasters.empty())
+    fail_in(list.files.front(), Cause::unsupported, "no input can be opened; the first: {}", broken.front());
   for (const std::string& why : broken) plan.notes.push_back("left out: " + why);
   const bool is_taken = std::any_of(plan.rasters.begin(), plan.rasters.end(),
                                     [](const RasterFacts& raster) { return !raster.assumed_voids.empty(); });
@@ -449,12 +445,10 @@ Window Source::read(GridRect part, GridRect own) const {
 
 void Source::read_into(Window& window, GridRect part, GridRect own) const {
   const GridRect& extent = plan_->description.extent;
-  if (part.cols() < 1 || part.rows() < 1 || !extent.contains(part.first) || !extent.contains(part.last)) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("columns {} to {}, rows {} to {} are not a part of {}, which has columns {} to {}, rows {} to {}",
-                    part.first.col, part.last.col, part.first.row, part.last.row, plan_->description.source_name,
-                    extent.first.col, extent.last.col, extent.first.row, extent.last.row));
+  if (is_empty(part) || !extent.contains(part.first) || !extent.contains(part.last)) {
+    refuse("columns {} to {}, rows {} to {} are not a part of {}, which has columns {} to {}, rows {} to {}",
+           part.first.col, part.last.col, part.first.row, part.last.row, plan_->description.source_name,
+           extent.first.col, extent.last.col, extent.first.row, extent.last.row);
   }
   const auto samples = static_cast<std::size_t>(part.samples());
   window.region = part;

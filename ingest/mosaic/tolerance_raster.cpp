@@ -4,13 +4,12 @@
 #include <cmath>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "engine/geo/ground.hpp"
+#include "engine/machine/fail.hpp"
+#include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/raster/crs.hpp"
 #include "ingest/raster/raster_facts.hpp"
-#include "talus/failure.hpp"
 #include "talus/ingest.hpp"
 
 namespace talus {
@@ -19,9 +18,7 @@ namespace {
 void require_one_band(const RasterFacts& facts) {
   GdalScope gdal;
   const int bands = GDALGetRasterCount(open_dataset(facts).get());
-  if (bands != 1)
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has {} bands; expected one band, of tolerances in metres", facts.name, bands));
+  if (bands != 1) refuse("{} has {} bands; expected one band, of tolerances in metres", facts.name, bands);
 }
 
 void require_same_places(const RasterFacts& facts, const Description& database) {
@@ -31,10 +28,8 @@ void require_same_places(const RasterFacts& facts, const Description& database) 
   if (is_known && same_crs(wkt_of(horizontal(crs_from(facts.crs_wkt)), facts.name),
                            wkt_of(horizontal(crs_from(database.crs_wkt)), "the database")))
     return;
-  throw Failure(
-      Cause::invalid_argument,
-      fmt::format("{} is in another coordinate system than the database{}. Transform it with gdalwarp -t_srs first",
-                  facts.name, is_known ? "" : ", which states none"));
+  refuse("{} is in another coordinate system than the database{}. Transform it with gdalwarp -t_srs first", facts.name,
+         is_known ? "" : ", which states none");
 }
 
 /// Cells that divide a region evenly, where each sample stands for a whole cell of the grid.
@@ -77,10 +72,7 @@ ToleranceRaster read_tolerances(const std::filesystem::path& file, const Descrip
   const bool is_placed = facts.is_placed || !facts.crs_wkt.empty();
   raster.cells = is_placed ? on_turn_of(database, region, facts.mapping, facts) : evenly_over(database, region, facts);
   const GridRect part = cells_over(database, region, raster.cells, facts);
-  if (part.cols() < 1 || part.rows() < 1) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} does not overlap the rectangle of the question", facts.name));
-  }
+  if (is_empty(part)) refuse("{} does not overlap the rectangle of the question", facts.name);
   raster.metres = Raster(std::vector{file}, InputOptions{}).read(part);
   for (double& metres : raster.metres.values) metres *= facts.metres_per_unit;
   return raster;

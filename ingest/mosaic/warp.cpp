@@ -10,11 +10,11 @@
 #include <gdal_alg.h>
 #include <gdalwarper.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/mosaic/common_grid.hpp"
 #include "ingest/raster/crs.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -34,9 +34,8 @@ struct FreeWarpOptions {
 std::string name_of(const LaidRasters& laid) { return name_of_all(laid.members.front().name, laid.members.size()); }
 
 [[noreturn]] void refuse(const LaidRasters& laid, const GdalScope& gdal) {
-  throw Failure(Cause::unsupported,
-                fmt::format("{} cannot be resampled to the target grid{}", name_of(laid), gdal.reason()),
-                laid.members.front().name);
+  fail_in(laid.members.front().name, Cause::unsupported, "{} cannot be resampled to the target grid{}", name_of(laid),
+          gdal.reason());
 }
 
 // Transforms cells of the source to coordinates of the target.
@@ -133,9 +132,8 @@ DatasetOwner warped_band(GDALDatasetH source, int band, GDALResampleAlg method, 
   DatasetOwner warped{GDALCreateWarpedVRT(source, cols, rows, geotransform.data(), options.get())};
   if (!warped) refuse(laid, gdal);
   static_cast<void>(transformer.release());
-  if (GDALGetRasterCount(warped.get()) != 2 || GDALGetRasterDataType(GDALGetRasterBand(warped.get(), 1)) != type) {
+  if (GDALGetRasterCount(warped.get()) != 2 || GDALGetRasterDataType(GDALGetRasterBand(warped.get(), 1)) != type)
     refuse(laid, gdal);
-  }
   return warped;
 }
 
@@ -146,8 +144,7 @@ GDALResampleAlg resampling_of(const std::string& word) {
   if (word == "near") return GRA_NearestNeighbour;
   if (word == "cubic") return GRA_Cubic;
   if (word == "average") return GRA_Average;
-  throw Failure(Cause::invalid_argument,
-                fmt::format("InputOptions::resampling {}: expected near, bilinear, cubic or average", word));
+  fail(Cause::invalid_argument, "InputOptions::resampling {}: expected near, bilinear, cubic or average", word);
 }
 
 GridMapping suggested_grid(const LaidRasters& laid, const std::string& target_crs) {
@@ -167,19 +164,16 @@ GridRect place_of(const LaidRasters& laid, GridRect part) {
   const double south = std::floor((s.extent[1] - target.y0) / target.dy + kOnTheEdge);
   const double limit = kMaxExtent;
   if (!(west >= -limit && east <= limit && north >= -limit && south <= limit)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} would need columns {} to {}, rows {} to {} of the target grid, but a database has at "
-                              "most {} a side. Choose larger cells with InputOptions::target_dx",
-                              name_of(laid), west, east, north, south, kMaxExtent),
-                  laid.members.front().name);
+    fail_in(laid.members.front().name, Cause::invalid_argument,
+            "{} would need columns {} to {}, rows {} to {} of the target grid, but a database has at most {} a side. "
+            "Choose larger cells with InputOptions::target_dx",
+            name_of(laid), west, east, north, south, kMaxExtent);
   }
   if (west > east || north > south) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} holds no sample of the target grid: it is smaller than a cell (choose smaller cells with "
-                    "InputOptions::target_dx), or it crosses the edge of the target coordinate system (choose another)",
-                    name_of(laid)),
-        laid.members.front().name);
+    fail_in(laid.members.front().name, Cause::invalid_argument,
+            "{} holds no sample of the target grid: it is smaller than a cell (choose smaller cells with "
+            "InputOptions::target_dx), or it crosses the edge of the target coordinate system (choose another)",
+            name_of(laid));
   }
   return {{static_cast<std::int32_t>(west), static_cast<std::int32_t>(north)},
           {static_cast<std::int32_t>(east), static_cast<std::int32_t>(south)}};

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "engine/geo/ground.hpp"
+#include "engine/machine/fail.hpp"
 #include "ingest/files/gdal_scope.hpp"
-#include "talus/failure.hpp"
 #include "talus/ingest.hpp"
 
 namespace talus {
@@ -23,10 +23,8 @@ std::string wkt_of(const OGRSpatialReference& crs, const std::string& name) {
   const OGRErr status = crs.exportToWkt(&text, kOptions.data());
   std::string wkt = text == nullptr ? "" : text;
   CPLFree(text);
-  if (status != OGRERR_NONE) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} has a coordinate system that cannot be written as WKT{}", name, gdal.reason()));
-  }
+  if (status != OGRERR_NONE)
+    fail(Cause::unsupported, "{} has a coordinate system that cannot be written as WKT{}", name, gdal.reason());
   return wkt;
 }
 
@@ -36,9 +34,8 @@ std::string wkt_of(const std::string& user_input, const char* option) {
   // The limits keep GDAL from opening files and addresses.
   if (crs.SetFromUserInput(user_input.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) !=
       OGRERR_NONE) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} {}: expected a coordinate system, such as EPSG:25832, WKT "
-                                                       "or a PROJ string{}",
-                                                       option, user_input, gdal.reason()));
+    refuse("{} {}: expected a coordinate system, such as EPSG:25832, WKT or a PROJ string{}", option, user_input,
+           gdal.reason());
   }
   return wkt_of(crs, option);
 }
@@ -46,9 +43,8 @@ std::string wkt_of(const std::string& user_input, const char* option) {
 OGRSpatialReference crs_from(const std::string& wkt) {
   GdalScope gdal;
   OGRSpatialReference crs;
-  if (!wkt.empty() && crs.importFromWkt(wkt.c_str()) != OGRERR_NONE) {
-    throw Failure(Cause::unsupported, fmt::format("cannot read the WKT of a coordinate system{}", gdal.reason()));
-  }
+  if (!wkt.empty() && crs.importFromWkt(wkt.c_str()) != OGRERR_NONE)
+    fail(Cause::unsupported, "cannot read the WKT of a coordinate system{}", gdal.reason());
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return crs;
 }
@@ -88,8 +84,7 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
   char* text = nullptr;
   if (node == nullptr || node->exportToWkt(&text) != OGRERR_NONE) {
     CPLFree(text);
-    throw Failure(Cause::unsupported,
-                  fmt::format("cannot read the WKT of a vertical coordinate system{}", gdal.reason()));
+    fail(Cause::unsupported, "cannot read the WKT of a vertical coordinate system{}", gdal.reason());
   }
   OGRSpatialReference vertical;
   const OGRErr understood = vertical.importFromWkt(text);
@@ -98,11 +93,8 @@ std::string with_heights_of(const OGRSpatialReference& target, const OGRSpatialR
   const char* flat = target.GetName();
   const char* high = vertical.GetName();
   const std::string name = fmt::format("{} + {}", flat ? flat : "unnamed", high ? high : "unnamed");
-  if (understood != OGRERR_NONE || both.SetCompoundCS(name.c_str(), &target, &vertical) != OGRERR_NONE) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("cannot add the vertical coordinate system of the input to the target's{}", gdal.reason()));
-  }
+  if (understood != OGRERR_NONE || both.SetCompoundCS(name.c_str(), &target, &vertical) != OGRERR_NONE)
+    fail(Cause::unsupported, "cannot add the vertical coordinate system of the input to the target's{}", gdal.reason());
   return wkt_of(both, "the target");
 }
 

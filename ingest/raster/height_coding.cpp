@@ -4,9 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 
@@ -44,13 +42,12 @@ void code_heights(const Patch<T>& patch, const Patch<std::uint8_t>& valid, const
       if (ok[c] == 0 || (coding.rule == RasterCoding::Rule::raw && row[c] >= sure.low && row[c] <= sure.high)) continue;
       const double value = value_of(static_cast<double>(row[c]));
       if (!(std::abs(value) <= largest)) {
-        throw Failure(Cause::invalid_argument,
-                      fmt::format("{} holds {} {} at column {}, row {}; heights lie within {} m up or down. If the "
-                                  "value means no data, declare it: with InputOptions::nodata if the file declares no "
-                                  "void value, else with gdal_translate -a_nodata",
-                                  facts.name, value, facts.vertical_unit, first.col + static_cast<std::int64_t>(c),
-                                  first.row + static_cast<std::int64_t>(r), kLargestHeight),
-                      facts.name);
+        fail_in(facts.name, Cause::invalid_argument,
+                "{} holds {} {} at column {}, row {}; heights lie within {} m up or down. If the value means no data, "
+                "declare it: with InputOptions::nodata if the file declares no void value, else with gdal_translate "
+                "-a_nodata",
+                facts.name, value, facts.vertical_unit, first.col + static_cast<std::int64_t>(c),
+                first.row + static_cast<std::int64_t>(r), kLargestHeight);
       }
       if (coding.rule == RasterCoding::Rule::value) row[c] = static_cast<T>(value);
       if (coding.rule == RasterCoding::Rule::rounded) {

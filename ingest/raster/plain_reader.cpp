@@ -12,11 +12,11 @@
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/files/input_list.hpp"
 #include "ingest/files/raster_guard.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -75,8 +75,7 @@ struct PlainReader::Opened {
       return open.front().second.get();
     }
     AdmittedRaster raster = admit_raster(inputs[input].file, rules);
-    if (!raster.dataset)
-      throw Failure(Cause::io, fmt::format("cannot open {}", inputs[input].file.string()), inputs[input].file);
+    if (!raster.dataset) fail_in(inputs[input].file, Cause::io, "cannot open {}", inputs[input].file.string());
     open.emplace_front(input, std::move(raster.dataset));
     if (open.size() > kMostOpen) open.pop_back();
     return open.front().second.get();
@@ -88,7 +87,7 @@ struct PlainReader::Opened {
       const GDALRasterBandH one = GDALGetRasterBand(dataset, i);
       if (rules.band == 0 ? GDALGetRasterColorInterpretation(one) != GCI_AlphaBand : rules.band == i) return one;
     }
-    throw Failure(Cause::invalid_argument, fmt::format("{} has no band of heights", file.string()), file);
+    fail_in(file, Cause::invalid_argument, "{} has no band of heights", file.string());
   }
 
   /// Copies the input's cells, `moved` columns further east, into the window.
@@ -148,7 +147,7 @@ template <class T>
 void read_row(GDALRasterBandH band, int first, int row, int cols, GDALDataType type, T* to,
               const std::filesystem::path& file, const GdalScope& gdal) {
   if (GDALRasterIO(band, GF_Read, first, row, cols, 1, to, cols, 1, type, 0, 0) == CE_None) return;
-  throw Failure(Cause::io, fmt::format("cannot read row {} of {}{}", row, file.string(), gdal.reason()), file);
+  fail_in(file, Cause::io, "cannot read row {} of {}{}", row, file.string(), gdal.reason());
 }
 
 }  // namespace
@@ -222,15 +221,13 @@ PlainReader::PlainReader(const std::vector<std::filesystem::path>& named, const 
   const GridMapping& m = database.mapping;
   for (const std::filesystem::path& file : files) {
     const AdmittedRaster raster = admit_raster(file, rules);
-    if (!raster.dataset) throw Failure(Cause::io, fmt::format("cannot open {}", file.string()), file);
+    if (!raster.dataset) fail_in(file, Cause::io, "cannot open {}", file.string());
     const GdalScope gdal;
     const GDALDatasetH set = raster.dataset.get();
     const auto refuse = [&](const std::string& what) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("{} {}. A database can be compared only with its own inputs, and only if they were not resampled",
-                      file.string(), what),
-          file);
+      fail_in(file, Cause::invalid_argument,
+              "{} {}. A database can be compared only with its own inputs, and only if they were not resampled",
+              file.string(), what);
     };
     if (rules.srs.empty() && !same_crs(database.crs_wkt, crs_of(set)))
       refuse(fmt::format("has another CRS than {}, or one of them has none", database_name));

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -23,12 +23,11 @@ const char* colour_of(GDALRasterBandH band) {
 }
 
 [[noreturn]] void refuse_colours(const RasterFacts& facts, int band, const char* colour) {
-  throw Failure(Cause::unsupported,
-                fmt::format("{} holds colours, not heights: band {} is {}. If the colours encode heights, name the "
-                            "code with InputOptions::decode: terrain-rgb or terrarium. If the band holds heights, mark "
-                            "it with gdal_translate -colorinterp gray",
-                            facts.name, band, colour),
-                facts.name);
+  fail_in(facts.name, Cause::unsupported,
+          "{} holds colours, not heights: band {} is {}. If the colours encode heights, name the code with "
+          "InputOptions::decode: terrain-rgb or terrarium. If the band holds heights, mark it with gdal_translate "
+          "-colorinterp gray",
+          facts.name, band, colour);
 }
 
 /// Requires red, green and blue, and perhaps alpha.
@@ -38,28 +37,23 @@ void require_colours(GDALDatasetH dataset, const InputOptions& options, const Ra
   for (int i = 1; are_bytes && i <= bands; ++i)
     are_bytes = GDALGetRasterDataType(GDALGetRasterBand(dataset, i)) == GDT_Byte;
   if (!are_bytes || options.band != 0) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{}: InputOptions::decode needs three bands of bytes, red, green and blue, and perhaps alpha{}",
-                    facts.name, are_bytes ? ". Remove InputOptions::band" : ""),
-        facts.name);
+    fail_in(facts.name, Cause::invalid_argument,
+            "{}: InputOptions::decode needs three bands of bytes, red, green and blue, and perhaps alpha{}", facts.name,
+            are_bytes ? ". Remove InputOptions::band" : "");
   }
   constexpr std::array kOrder{GCI_RedBand, GCI_GreenBand, GCI_BlueBand};
   for (int i = 1; i <= bands; ++i) {
     GDALRasterBandH band = GDALGetRasterBand(dataset, i);
     const GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
     if (meaning != kOrder[static_cast<std::size_t>(i - 1)] && meaning != GCI_Undefined && meaning != GCI_GrayIndex) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("{}: band {} is {}, but InputOptions::decode needs red, green and blue in this order. "
-                                "Reorder the bands with gdal_translate -b",
-                                facts.name, i, GDALGetColorInterpretationName(meaning)),
-                    facts.name);
+      fail_in(facts.name, Cause::invalid_argument,
+              "{}: band {} is {}, but InputOptions::decode needs red, green and blue in this order. Reorder the bands "
+              "with gdal_translate -b",
+              facts.name, i, GDALGetColorInterpretationName(meaning));
     }
     if (GDALGetRasterScale(band, nullptr) != 1 || GDALGetRasterOffset(band, nullptr) != 0) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("{}: band {} has a scale or an offset, but colours that encode heights have none", facts.name, i),
-          facts.name);
+      fail_in(facts.name, Cause::invalid_argument,
+              "{}: band {} has a scale or an offset, but colours that encode heights have none", facts.name, i);
     }
   }
   const char* compression = GDALGetMetadataItem(dataset, "COMPRESSION", "IMAGE_STRUCTURE");
@@ -68,11 +62,10 @@ void require_colours(GDALDatasetH dataset, const InputOptions& options, const Ra
       kind.find("LERC") != std::string_view::npos) {
     const char* reversible = GDALGetMetadataItem(dataset, "COMPRESSION_REVERSIBILITY", "IMAGE_STRUCTURE");
     if (reversible == nullptr || !std::string_view(reversible).starts_with("LOSSLESS")) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is compressed by {}, which changes colours a little and so the encoded heights by "
-                                "thousands of metres. Use a copy without lossy compression",
-                                facts.name, kind),
-                    facts.name);
+      fail_in(facts.name, Cause::unsupported,
+              "{} is compressed by {}, which changes colours a little and so the encoded heights by thousands of "
+              "metres. Use a copy without lossy compression",
+              facts.name, kind);
     }
   }
 }
@@ -87,9 +80,8 @@ void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& f
     (is_alpha ? facts.alphas : others).push_back(i);
   }
   if (others.empty()) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has no band of heights{}", facts.name, bands > 0 ? ": it has alpha only" : ""),
-                  facts.name);
+    fail_in(facts.name, Cause::invalid_argument, "{} has no band of heights{}", facts.name,
+            bands > 0 ? ": it has alpha only" : "");
   }
   facts.decode = options.decode;
   if (facts.decode != ColourCode::none) return require_colours(dataset, options, facts);
@@ -98,11 +90,9 @@ void take_band(GDALDatasetH dataset, const InputOptions& options, RasterFacts& f
   }
   facts.band = options.band == 0 ? others.front() : options.band;
   if (std::find(others.begin(), others.end(), facts.band) == others.end()) {
-    throw Failure(
-        Cause::invalid_argument,
-        fmt::format("{} has {} band{}{}, so InputOptions::band {} is not a band of heights", facts.name, bands,
-                    bands == 1 ? "" : "s", facts.alphas.empty() ? "" : ", alpha among them", facts.band),
-        facts.name);
+    fail_in(facts.name, Cause::invalid_argument,
+            "{} has {} band{}{}, so InputOptions::band {} is not a band of heights", facts.name, bands,
+            bands == 1 ? "" : "s", facts.alphas.empty() ? "" : ", alpha among them", facts.band);
   }
   if (others.size() > 1 && options.band == 0) {
     facts.notes.push_back(fmt::format(

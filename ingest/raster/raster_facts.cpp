@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "ingest/files/ascii_grid.hpp"
 #include "ingest/files/gdal_scope.hpp"
 #include "ingest/raster/crs.hpp"
 #include "ingest/raster/raster_bands.hpp"
 #include "ingest/raster/vertical_unit.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -40,24 +40,21 @@ std::optional<Range> range_of(GDALDataType type) {
 void take_type(GDALRasterBandH band, RasterFacts& facts) {
   facts.type = GDALGetRasterDataType(band);
   if (!range_of(facts.type) && facts.type != GDT_Float32 && facts.type != GDT_Float64) {
-    throw Failure(Cause::unsupported, fmt::format("{} has samples of type {}. Talus reads Byte, Int16, UInt16, Int32, "
-                                                  "UInt32, Float32 and Float64: convert it with gdal_translate -ot",
-                                                  facts.name, GDALGetDataTypeName(facts.type)));
+    fail(Cause::unsupported,
+         "{} has samples of type {}. Talus reads Byte, Int16, UInt16, Int32, UInt32, Float32 and Float64: convert it "
+         "with gdal_translate -ot",
+         facts.name, GDALGetDataTypeName(facts.type));
   }
   const char* signedness = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
-  if (facts.type == GDT_Byte && signedness != nullptr && std::string_view{signedness} == "SIGNEDBYTE") {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} has signed bytes. Convert them with gdal_translate -ot Int16", facts.name));
-  }
+  if (facts.type == GDT_Byte && signedness != nullptr && std::string_view{signedness} == "SIGNEDBYTE")
+    fail(Cause::unsupported, "{} has signed bytes. Convert them with gdal_translate -ot Int16", facts.name);
 }
 
 void take_size(GDALDatasetH dataset, RasterFacts& facts) {
   facts.cols = GDALGetRasterXSize(dataset);
   facts.rows = GDALGetRasterYSize(dataset);
-  if (facts.cols < 1 || facts.rows < 1 || facts.cols > kMaxExtent || facts.rows > kMaxExtent) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} has {} x {} samples; expected 1 to {} a side", facts.name,
-                                                       facts.cols, facts.rows, kMaxExtent));
-  }
+  if (facts.cols < 1 || facts.rows < 1 || facts.cols > kMaxExtent || facts.rows > kMaxExtent)
+    refuse("{} has {} x {} samples; expected 1 to {} a side", facts.name, facts.cols, facts.rows, kMaxExtent);
 }
 
 constexpr std::array<double, 6> kNoGeotransform{0, 1, 0, 0, 0, 1};  // GDAL's answer if a file has none
@@ -92,9 +89,8 @@ void read_placement(GDALDatasetH dataset, RasterFacts& facts) {
     facts.notes.push_back("states its position by ground control points, which lie on a grid");
   }
 
-  if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); })) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} has a geotransform that is not finite", facts.name));
-  }
+  if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }))
+    refuse("{} has a geotransform that is not finite", facts.name);
   facts.is_placed = true;
   const double cols = facts.cols, rows = facts.rows;
   facts.is_rotated = std::abs(t[2]) * rows > kNegligibleShear * std::abs(t[1]) ||
@@ -121,16 +117,14 @@ void read_placement(GDALDatasetH dataset, RasterFacts& facts) {
 void require_possible(const RasterFacts& facts) {
   const OGRSpatialReference crs = crs_from(facts.crs_wkt);
   GdalScope gdal;
-  if (crs.IsGeocentric() != 0) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is in geocentric coordinates. Project it with gdalwarp first", facts.name));
-  }
+  if (crs.IsGeocentric() != 0)
+    fail(Cause::unsupported, "{} is in geocentric coordinates. Project it with gdalwarp first", facts.name);
   OGRAxisOrientation way = OAO_Up;
   if (crs.IsCompound() != 0 && crs.GetAxis("VERT_CS", 0, &way) != nullptr && way == OAO_Down) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} counts depths downwards, but Talus needs heights. Change the sign of its values and "
-                              "give it a vertical coordinate system of heights",
-                              facts.name));
+    fail(Cause::unsupported,
+         "{} counts depths downwards, but Talus needs heights. Change the sign of its values and give it a vertical "
+         "coordinate system of heights",
+         facts.name);
   }
   if (crs.IsGeographic() == 0 || !facts.is_placed || facts.is_rotated) return;
   const GridMapping& m = facts.mapping;
@@ -138,9 +132,10 @@ void require_possible(const RasterFacts& facts) {
   const double beyond = std::max(std::abs(north), std::abs(south)) - quarter;
   const double far = std::max(std::abs(m.x0), std::abs(m.x(facts.cols - 1)));
   if (!(beyond <= std::abs(m.dy)) || !(far <= 12 * quarter)) {
-    throw Failure(Cause::invalid_argument, fmt::format("{} spans latitudes {} to {} and longitudes {} to {}, which are "
-                                                       "not degrees. Name its coordinate system with InputOptions::srs",
-                                                       facts.name, south, north, m.x0, m.x(facts.cols - 1)));
+    refuse(
+        "{} spans latitudes {} to {} and longitudes {} to {}, which are not degrees. Name its coordinate system with "
+        "InputOptions::srs",
+        facts.name, south, north, m.x0, m.x(facts.cols - 1));
   }
 }
 
@@ -164,10 +159,10 @@ void read_crs(GDALDatasetH dataset, const InputOptions& options, RasterFacts& fa
 
 double known_unit(const std::string& unit, const std::string& name) {
   if (const std::optional<double> metres = metres_in(unit)) return *metres;
-  throw Failure(Cause::unsupported,
-                fmt::format("{} has heights in \"{}\", a unit that Talus does not know. Name it with "
-                            "InputOptions::vertical_unit: metre, km, dm, cm, mm, foot or us-survey-foot",
-                            name, unit));
+  fail(Cause::unsupported,
+       "{} has heights in \"{}\", a unit that Talus does not know. Name it with InputOptions::vertical_unit: metre, "
+       "km, dm, cm, mm, foot or us-survey-foot",
+       name, unit);
 }
 
 // The vertical unit of the CRS.
@@ -190,10 +185,8 @@ void read_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
   if (!options.vertical_unit.empty()) {
     const std::optional<double> metres = metres_in(options.vertical_unit);
     if (!metres) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("InputOptions::vertical_unit {}: expected metre, km, dm, cm, mm, foot or us-survey-foot",
-                      options.vertical_unit));
+      refuse("InputOptions::vertical_unit {}: expected metre, km, dm, cm, mm, foot or us-survey-foot",
+             options.vertical_unit);
     }
     facts.vertical_unit = options.vertical_unit;
     facts.metres_per_unit = *metres;
@@ -208,9 +201,10 @@ void read_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
     facts.vertical_unit = stated;
     facts.metres_per_unit = known_unit(stated, facts.name);
     if (of_crs && std::abs(of_crs->metres / facts.metres_per_unit - 1) > 1e-9) {
-      throw Failure(Cause::unsupported, fmt::format("{} states heights in \"{}\", but its coordinate system in \"{}\". "
-                                                    "Choose one with InputOptions::vertical_unit",
-                                                    facts.name, stated, of_crs->name));
+      fail(Cause::unsupported,
+           "{} states heights in \"{}\", but its coordinate system in \"{}\". Choose one with "
+           "InputOptions::vertical_unit",
+           facts.name, stated, of_crs->name);
     }
     return;
   }
@@ -226,9 +220,8 @@ void read_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& f
 
 double scale_or_offset(double value, bool is_scale, const std::string& name) {
   if (std::isfinite(value) && (!is_scale || value != 0)) return value;
-  throw Failure(Cause::invalid_argument,
-                fmt::format("{} has a band {} of {}; expected a finite number{}", name, is_scale ? "scale" : "offset",
-                            value, is_scale ? " other than 0" : ""));
+  refuse("{} has a band {} of {}; expected a finite number{}", name, is_scale ? "scale" : "offset", value,
+         is_scale ? " other than 0" : "");
 }
 
 /// The value as a sample of the type; empty if the type cannot hold it.
@@ -307,43 +300,30 @@ DatasetOwner open_dataset(const RasterFacts& facts) {
   const std::array<const char*, 2> only{facts.driver.c_str(), nullptr};
   DatasetOwner dataset{GDALOpenEx(name_to_open(facts.file, facts.driver, facts.variable).c_str(),
                                   GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, only.data(), nullptr, nullptr)};
-  if (!dataset) {
-    throw Failure(Cause::unsupported, fmt::format("cannot open {} as {}{}", facts.name, facts.driver, gdal.reason()),
-                  facts.name);
-  }
+  if (!dataset)
+    fail_in(facts.name, Cause::unsupported, "cannot open {} as {}{}", facts.name, facts.driver, gdal.reason());
   return dataset;
 }
 
 namespace {
-
-template <class Look>
-auto about(const std::string& file, Look&& look) {
-  try {
-    return look();
-  } catch (const Failure& f) {
-    if (!f.file().empty()) throw;
-    throw Failure(f.cause(), f.what(), file);
-  }
-}
 
 /// A virtual raster must declare the voids of its sources; otherwise void samples would become heights.
 void require_all_voids(const AdmittedRaster& input, GDALRasterBandH band, const RasterFacts& facts) {
   const bool has_transparency = facts.masked || !facts.alphas.empty();
   const std::string& hidden = input.alpha_in.empty() ? input.voids_in : input.alpha_in;
   if (input.interpolates && (has_transparency || !input.alpha_in.empty() || facts.decode != ColourCode::none)) {
-    throw Failure(
-        Cause::unsupported,
-        fmt::format("{} is a virtual raster that interpolates its sources: {} would change the heights nearby. Name "
-                    "the sources as inputs, and choose InputOptions::resampling",
-                    facts.name, facts.decode != ColourCode::none ? "colours" : "transparent or masked samples"));
+    fail(Cause::unsupported,
+         "{} is a virtual raster that interpolates its sources: {} would change the heights nearby. Name the sources "
+         "as inputs, and choose InputOptions::resampling",
+         facts.name, facts.decode != ColourCode::none ? "colours" : "transparent or masked samples");
   }
   int declares = 0;
   GDALGetRasterNoDataValue(band, &declares);
   if (has_transparency || (declares != 0 && input.alpha_in.empty()) || hidden.empty()) return;
-  throw Failure(Cause::unsupported,
-                fmt::format("{} is a virtual raster without {} of its source {}. Make it again by gdalbuildvrt without "
-                            "-b, or name the sources as inputs",
-                            facts.name, input.alpha_in.empty() ? "the void value" : "the mask or alpha", hidden));
+  fail(Cause::unsupported,
+       "{} is a virtual raster without {} of its source {}. Make it again by gdalbuildvrt without -b, or name the "
+       "sources as inputs",
+       facts.name, input.alpha_in.empty() ? "the void value" : "the mask or alpha", hidden);
 }
 
 /// Refuses a TIFF with blocks beyond its end. GDAL reads zeros if none is left.
@@ -357,17 +337,15 @@ void require_whole_tiff(GDALDatasetH dataset, const std::string& name, std::uint
       const char* text = GDALGetMetadataItem(band, fmt::format("BLOCK_{}_{}_{}", what, x, y).c_str(), "TIFF");
       return text == nullptr ? 0 : std::strtoull(text, nullptr, 10);
     };
-    if (number("OFFSET") + number("SIZE") > bytes) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is cut short: its last samples lie beyond the end of the file", name), name);
-    }
+    if (number("OFFSET") + number("SIZE") > bytes)
+      fail_in(name, Cause::unsupported, "{} is cut short: its last samples lie beyond the end of the file", name);
   }
 }
 
 }  // namespace
 
 AdmittedRaster open_input(const fs::path& file, const InputOptions& options) {
-  return about(file.string(), [&] {
+  return blaming(file, [&] {
     AdmittedRaster admitted = admit_raster(file, options);
     if (!admitted.dataset) {
       RasterFacts facts;
@@ -388,7 +366,7 @@ RasterFacts look_at(const fs::path& file, const InputOptions& options) {
 }
 
 RasterFacts look_at(AdmittedRaster input, const fs::path& file, const InputOptions& options) {
-  return about(file.string(), [&] {
+  return blaming(file, [&] {
     RasterFacts facts;
     facts.file = input.file;
     facts.name = file.string();
@@ -422,20 +400,17 @@ void require_distinct(const GridMapping& m, GridRect extent, const std::string& 
     const double x = m.x(p.col), y = m.y(p.row);
     distinct = distinct && std::isfinite(x) && std::isfinite(y) && x + m.dx != x && y + m.dy != y;
   }
-  if (!distinct) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("{} has cells of {} x {} at {}, {}: too small for different coordinates", name, m.dx,
-                              -m.dy, m.x0, m.y0));
-  }
+  if (!distinct)
+    refuse("{} has cells of {} x {} at {}, {}: too small for different coordinates", name, m.dx, -m.dy, m.x0, m.y0);
 }
 
 void require_own_grid(const RasterFacts& facts) {
   if (facts.is_rotated) {
     const std::array<double, 6>& t = facts.geotransform;
-    throw Failure(Cause::unsupported,
-                  fmt::format("{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}). Resample it with "
-                              "InputOptions::target_srs, InputOptions::target_dx or gdalwarp",
-                              facts.name, t[0], t[1], t[2], t[3], t[4], t[5]));
+    fail(Cause::unsupported,
+         "{} is rotated or sheared (geotransform {}, {}, {}, {}, {}, {}). Resample it with InputOptions::target_srs, "
+         "InputOptions::target_dx or gdalwarp",
+         facts.name, t[0], t[1], t[2], t[3], t[4], t[5]);
   }
   require_distinct(facts.mapping, {{0, 0}, {facts.cols - 1, facts.rows - 1}}, facts.name);
 }

@@ -7,19 +7,12 @@
 #include <optional>
 #include <type_traits>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "ingest/files/gdal_scope.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
 
-template <class T>
-constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
-                                   : std::is_same_v<T, std::int16_t> ? GDT_Int16
-                                   : std::is_same_v<T, float>        ? GDT_Float32
-                                                                     : GDT_Float64;
 // As wide as T, so that comparisons vectorize.
 template <class T>
 using Bits =
@@ -150,7 +143,7 @@ RasterSource::RasterSource(const RasterFacts& facts)
   if (band_ == nullptr || std::count(alphas_.begin(), alphas_.end(), nullptr) > 0 ||
       GDALGetRasterXSize(dataset) != facts.cols || GDALGetRasterYSize(dataset) != facts.rows ||
       GDALGetRasterDataType(band_) != type) {
-    throw Failure(Cause::io, fmt::format("{} changed while it was read", facts.name), facts.name);
+    fail_in(facts.name, Cause::io, "{} changed while it was read", facts.name);
   }
   if (facts.masked) mask_ = GDALGetMaskBand(band_);
   if (facts.nodata && GDALGetMaskFlags(band_) == GMF_NODATA) nodata_mask_ = GDALGetMaskBand(band_);
@@ -166,10 +159,8 @@ void RasterSource::read_band(GDALRasterBandH band, GridRect part, const Patch<T>
   const CPLErr outcome = GDALRasterIOEx(band, GF_Read, x, y, cols, rows, samples.samples, cols, rows, kGdalType<T>, 0,
                                         static_cast<GSpacing>(samples.stride * sizeof(T)), nullptr);
   if (outcome != CE_None || !gdal.reason().empty()) {
-    throw Failure(Cause::io,
-                  fmt::format("cannot read columns {} to {}, rows {} to {} of {}{}", x, x + cols - 1, y, y + rows - 1,
-                              facts_.name, gdal.reason()),
-                  facts_.name);
+    fail_in(facts_.name, Cause::io, "cannot read columns {} to {}, rows {} to {} of {}{}", x, x + cols - 1, y,
+            y + rows - 1, facts_.name, gdal.reason());
   }
   turn(samples, facts_.is_mirrored, facts_.is_south_up);
 }

@@ -4,12 +4,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <type_traits>
 #include <vector>
 
 #include "ingest/raster/height_coding.hpp"
 #include "ingest/raster/raster_facts.hpp"
 
 namespace talus {
+
+template <class T>
+inline constexpr GDALDataType kGdalType = std::is_same_v<T, std::uint8_t>   ? GDT_Byte
+                                          : std::is_same_v<T, std::int16_t> ? GDT_Int16
+                                          : std::is_same_v<T, std::int32_t> ? GDT_Int32
+                                          : std::is_same_v<T, float>        ? GDT_Float32
+                                                                            : GDT_Float64;
 
 /// An open raster. A sample is void by nodata, mask, alpha or NaN; its code is 0 then. South-up and mirrored rasters
 /// are reversed.

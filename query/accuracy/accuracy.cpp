@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "engine/geo/ground.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "query/accuracy/accuracy_windows.hpp"
@@ -151,13 +152,10 @@ class Study {
   void require_sense() const {
     for (const Metres tolerance : options_.tolerances) {
       if (!(tolerance.value >= 0) || !std::isfinite(tolerance.value))
-        throw Failure(Cause::invalid_argument,
-                      fmt::format("a tolerance of {} m: expected a finite number, 0 or more", tolerance.value));
+        refuse("a tolerance of {} m: expected a finite number, 0 or more", tolerance.value);
     }
-    if (options_.window && (*options_.window < kLeastWindow || *options_.window > kMostWindow)) {
-      throw Failure(Cause::invalid_argument, fmt::format("a window of {} samples a side: expected {} to {}",
-                                                         *options_.window, kLeastWindow, kMostWindow));
-    }
+    if (options_.window && (*options_.window < kLeastWindow || *options_.window > kMostWindow))
+      refuse("a window of {} samples a side: expected {} to {}", *options_.window, kLeastWindow, kMostWindow);
   }
 
   /// Opens without a cache of pages: a viewer seldom asks for the same place again.

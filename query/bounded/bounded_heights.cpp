@@ -8,14 +8,13 @@
 #include <fmt/format.h>
 
 #include "engine/error/height_field.hpp"
+#include "engine/machine/fail.hpp"
 #include "query/bounded/splitter.hpp"
 #include "query/selection/range_query.hpp"
 #include "query/selection/refusals.hpp"
 
 namespace talus {
 namespace {
-
-[[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
 
 double step_metres(const Description& d) { return std::abs(d.step.scale) / d.step.divisor * d.metres_per_unit; }
 
@@ -32,14 +31,13 @@ void require_quantum(const Description& d, Metres quantum) {
     refuse(
         "rounded heights need errors along the vertical, this database has perpendicular ones: ask for exact heights");
   if (!(quantum.value > 0) || !std::isfinite(quantum.value))
-    refuse(fmt::format("quantum {} m: expected a finite number of metres above 0", quantum.value));
+    refuse("quantum {} m: expected a finite number of metres above 0", quantum.value);
   // Larger multiples are not exact in doubles and streams.
   constexpr double kMostQuanta = 1e15;
   const double largest_m = std::max(std::abs(d.minimum), std::abs(d.maximum)) * d.metres_per_unit;
   if (largest_m / kMostQuanta > quantum.value) {
-    refuse(
-        fmt::format("quantum {} m: heights reach {} m, which is more than {} multiples of it. Choose a larger quantum",
-                    quantum.value, largest_m, kMostQuanta));
+    refuse("quantum {} m: heights reach {} m, which is more than {} multiples of it. Choose a larger quantum",
+           quantum.value, largest_m, kMostQuanta);
   }
 }
 
@@ -51,9 +49,9 @@ void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
     const std::string before =
         d.lossy_metres > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy_metres) : "";
     refuse(
-        fmt::format("multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m. Choose a smaller "
-                    "quantum or a larger tolerance",
-                    quantum.value, off, before, tolerance.value));
+        "multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m. Choose a smaller quantum or "
+        "a larger tolerance",
+        quantum.value, off, before, tolerance.value);
   }
 }
 
@@ -94,13 +92,12 @@ void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off)
 
 void require_some_tolerance(const Description& d, Metres tolerance, const char* heights) {
   if (tolerance.value == 0 || !std::isfinite(tolerance.value))
-    refuse(fmt::format("{} heights at a tolerance of {} m: expected a finite tolerance above 0", heights,
-                       tolerance.value));
+    refuse("{} heights at a tolerance of {} m: expected a finite tolerance above 0", heights, tolerance.value);
   if (tolerance.value <= d.lossy_metres) {
     refuse(
-        fmt::format("{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already. Choose a "
-                    "larger tolerance, or exact heights",
-                    heights, tolerance.value, d.lossy_metres));
+        "{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already. Choose a larger "
+        "tolerance, or exact heights",
+        heights, tolerance.value, d.lossy_metres);
   }
 }
 
@@ -135,7 +132,7 @@ Answer nested(const RoundedQuestion& q, Metres quantum) {
 Answer dense(const RoundedQuestion& q) {
   const Description& d = q.pages.manifest().description;
   if (q.tolerance.value == 0 || !std::isfinite(q.tolerance.value))
-    refuse(fmt::format("dense heights at a tolerance of {} m: expected a finite tolerance above 0", q.tolerance.value));
+    refuse("dense heights at a tolerance of {} m: expected a finite tolerance above 0", q.tolerance.value);
   const Metres quantum = dense_quantum(d, q.tolerance);
   if (!(quantum.value > 0)) return range_query(q.pages, q.region, q.tolerance, q.threads, {}, q.watch);
   require_quantum(d, quantum);

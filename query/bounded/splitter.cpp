@@ -57,18 +57,7 @@ class Checked {
 class Splitter {
  public:
   Splitter(const RoundedQuestion& question, Metres quantum, SplitHeights heights)
-      : description_(question.pages.manifest().description),
-        watch_(question.watch),
-        fits_(heights == SplitHeights::fitted),
-        samples_(samples_for(question, fits_)),
-        region_(question.region),
-        root_(root_side(description_.extent)),
-        limit_((question.tolerance.value - description_.lossy_metres) / description_.metres_per_unit),
-        finest_(exact_answer(
-            question, fits_ ? Metres{0} : Metres{question.tolerance.value - rounding_of(description_, quantum)})),
-        rounded_(description_, quantum),
-        chosen_(region_),
-        checked_(region_) {
+      : question_(question), quantum_(quantum), fits_(heights == SplitHeights::fitted) {
     const double tolerance = question.tolerance.value;
     // A triangle with data and void may have to be split for its size; the answer at the tolerance decides.
     if (!finest_.quadtree.covers.empty()) for_its_voids_ = asked_too(question, Metres{tolerance}).vertices;
@@ -392,22 +381,26 @@ class Splitter {
     return made;
   }
 
-  const Description& description_;
-  Watch& watch_;
-  double left_ = 1;  ///< share of the work that is left, for progress
+  const RoundedQuestion& question_;
+  Metres quantum_;
   bool fits_;
-  SampleWindow samples_;
-  GridRect region_;
-  std::int32_t root_;
-  double limit_;  ///< limit in the vertical unit
-  Answer finest_;
-  Rounding rounded_;
+  const Description& description_ = question_.pages.manifest().description;
+  Watch& watch_ = question_.watch;
+  double left_ = 1;  ///< share of the work that is left, for progress
+  SampleWindow samples_ = samples_for(question_, fits_);
+  GridRect region_ = question_.region;
+  std::int32_t root_ = root_side(description_.extent);
+  /// In the vertical unit.
+  double limit_ = (question_.tolerance.value - description_.lossy_metres) / description_.metres_per_unit;
+  Answer finest_ = exact_answer(
+      question_, fits_ ? Metres{0} : Metres{question_.tolerance.value - rounding_of(description_, quantum_)});
+  Rounding rounded_{description_, quantum_};
   std::optional<VertexMask> for_its_voids_;
   VertexMask sides_, coarse_;             // these and the following: for fitted heights
   std::vector<double> sources_, fitted_;  // heights by rank in `finest`
   std::vector<std::uint8_t> is_fixed_;
-  VertexMask chosen_;
-  Checked checked_;
+  VertexMask chosen_{region_};
+  Checked checked_{region_};
   double farthest_ = 0;  ///< over the triangles that stay; in the vertical unit
 };
 

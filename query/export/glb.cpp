@@ -7,12 +7,11 @@
 #include <limits>
 #include <string>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/geo/ground.hpp"
+#include "engine/machine/fail.hpp"
 #include "query/export/writers.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -85,8 +84,8 @@ class Model {
     }
     for (const std::size_t axis : {std::size_t{0}, std::size_t{2}}) {
       if (mesh_.size() > 0 && (box.low[axis] < -kWhole || box.high[axis] > kWhole)) {
-        throw Failure(Cause::unsupported,
-                      "a GLB file has at most 16777216 cells on each side of its middle. Ask for a smaller rectangle");
+        fail(Cause::unsupported,
+             "a GLB file has at most 16777216 cells on each side of its middle. Ask for a smaller rectangle");
       }
     }
     return box;
@@ -198,10 +197,10 @@ Metres write_glb(const Mesh& mesh, const Description& description, OutputFile& o
   const std::uint64_t numbers = mesh.triangles.empty() ? 0 : 12 * std::uint64_t{mesh.size() + mesh.triangles.size()};
   const std::uint64_t bytes = 12 + 8 + json.size() + (numbers > 0 ? 8 + numbers : 0);
   if (bytes > std::numeric_limits<std::uint32_t>::max()) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("a GLB file has at most 4 GiB, but {} vertices with {} triangles need more. Ask for a "
-                              "smaller rectangle or a larger tolerance",
-                              mesh.size(), mesh.triangles.size()));
+    fail(Cause::unsupported,
+         "a GLB file has at most 4 GiB, but {} vertices with {} triangles need more. Ask for a smaller rectangle or a "
+         "larger tolerance",
+         mesh.size(), mesh.triangles.size());
   }
   for (const std::uint32_t word : {kMagic, kVersion, static_cast<std::uint32_t>(bytes)}) out.write_little_endian(word);
   out.write_little_endian(static_cast<std::uint32_t>(json.size()));

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -36,17 +36,12 @@ std::filesystem::path followed(const std::filesystem::path& target) {
 OutputFile::OutputFile(std::filesystem::path target) : target_(std::move(target)), place_(followed(target_)) {
   std::error_code ignored;
   const std::filesystem::file_status there = std::filesystem::status(place_, ignored);
-  if (std::filesystem::is_directory(there)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", target_.string()), target_);
-  }
-  if (std::filesystem::is_symlink(place_, ignored)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: its links lead in a circle", target_.string()), target_);
-  }
-  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
-    throw Failure(Cause::io,
-                  fmt::format("cannot write {}: it is a device, a pipe or a socket. Name a file", target_.string()),
-                  target_);
-  }
+  if (std::filesystem::is_directory(there))
+    fail_in(target_, Cause::io, "cannot write {}: it is a folder", target_.string());
+  if (std::filesystem::is_symlink(place_, ignored))
+    fail_in(target_, Cause::io, "cannot write {}: its links lead in a circle", target_.string());
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+    fail_in(target_, Cause::io, "cannot write {}: it is a device, a pipe or a socket. Name a file", target_.string());
   for (int i = 0; file_ < 0; ++i) {
     beside_ = place_;
     beside_ += fmt::format(".{}-{}.part", ::getpid(), i);
@@ -95,8 +90,8 @@ void OutputFile::fail(const char* what) const {
   const std::string why = code == EFBIG
                               ? "it is larger than this process or the file system may write (ulimit -f says how large)"
                               : std::strerror(code);
-  throw Failure(code == ENOSPC || code == EDQUOT ? Cause::full : Cause::io,
-                fmt::format("cannot {} {}: {}", what, target_.string(), why), target_);
+  fail_in(target_, code == ENOSPC || code == EDQUOT ? Cause::full : Cause::io, "cannot {} {}: {}", what,
+          target_.string(), why);
 }
 
 }  // namespace talus

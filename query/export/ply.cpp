@@ -3,16 +3,16 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "query/export/writers.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 
 void write_ply(const Mesh& mesh, const Description& description, OutputFile& out) {
   if (mesh.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw Failure(Cause::unsupported, fmt::format("a PLY file has at most {} vertices, but the mesh has {}. Ask for a "
-                                                  "smaller rectangle or a larger tolerance",
-                                                  std::numeric_limits<std::int32_t>::max(), mesh.size()));
+    fail(Cause::unsupported,
+         "a PLY file has at most {} vertices, but the mesh has {}. Ask for a smaller rectangle or a larger tolerance",
+         std::numeric_limits<std::int32_t>::max(), mesh.size());
   }
   out.write(
       fmt::format("ply\n"

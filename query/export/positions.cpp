@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include <fmt/format.h>
-
 #include "engine/geo/globe.hpp"
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -30,14 +28,12 @@ void for_each_position(const Mesh& mesh, const Description& d, Coordinates coord
   const bool is_local = coordinates == Coordinates::local;
   if (is_local &&
       !(std::isfinite(origin.position.x) && std::isfinite(origin.position.y) && std::isfinite(origin.height))) {
-    throw Failure(Cause::invalid_argument, fmt::format("origin {}, {}, {}: expected finite numbers", origin.position.x,
-                                                       origin.position.y, origin.height));
+    refuse("origin {}, {}, {}: expected finite numbers", origin.position.x, origin.position.y, origin.height);
   }
   if (!d.crs.is_geographic) {
     if (!is_local) {
-      throw Failure(Cause::unsupported,
-                    fmt::format("{} is not geographic: Talus places only longitudes and latitudes on the Earth",
-                                d.crs.name.empty() ? "a raster without a CRS" : d.crs.name));
+      fail(Cause::unsupported, "{} is not geographic: Talus places only longitudes and latitudes on the Earth",
+           d.crs.name.empty() ? "a raster without a CRS" : d.crs.name);
     }
     for (std::size_t i = 0; i < mesh.size(); ++i) {
       const Position p = place(i);
@@ -78,10 +74,8 @@ std::vector<float> float_positions(const Mesh& mesh, const Description& descript
 }
 
 std::vector<float> normals(const Mesh& mesh, std::span<const double> at) {
-  if (at.size() != 3 * mesh.size()) {
-    throw Failure(Cause::invalid_argument, fmt::format("normals of {} corners need {} coordinates; there are {}",
-                                                       mesh.size(), 3 * mesh.size(), at.size()));
-  }
+  if (at.size() != 3 * mesh.size())
+    refuse("normals of {} corners need {} coordinates; there are {}", mesh.size(), 3 * mesh.size(), at.size());
   std::vector<double> sums(at.size());
   for (const auto& t : mesh.triangles) {
     const auto side = [&](std::size_t corner, std::size_t axis) {

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "engine/stream/stream_header.hpp"
 #include "query/export/output_file.hpp"
 #include "query/export/writers.hpp"
-#include "talus/failure.hpp"
 #include "talus/stream.hpp"
 
 namespace talus {
@@ -24,22 +24,18 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
   std::error_code code;
   const std::filesystem::file_status there = std::filesystem::status(file, code);
   if (!std::filesystem::exists(there)) {
-    throw Failure(code && code != std::errc::no_such_file_or_directory ? Cause::io : Cause::not_found,
-                  fmt::format("cannot read {}: {}", file.string(), code ? code.message() : "there is no such file"),
-                  file);
+    fail_in(file, code && code != std::errc::no_such_file_or_directory ? Cause::io : Cause::not_found,
+            "cannot read {}: {}", file.string(), code ? code.message() : "there is no such file");
   }
   if (!std::filesystem::is_regular_file(there)) {
-    throw Failure(
-        Cause::io,
-        fmt::format("cannot read {}: it is {}", file.string(),
-                    std::filesystem::is_directory(there) ? "a folder" : "a device, a pipe or a socket, not a file"),
-        file);
+    fail_in(file, Cause::io, "cannot read {}: it is {}", file.string(),
+            std::filesystem::is_directory(there) ? "a folder" : "a device, a pipe or a socket, not a file");
   }
   std::ifstream in(file, std::ios::binary);
   std::vector<std::byte> bytes(std::min(kFirstBytes, std::filesystem::file_size(file)));
   const auto read = [&](std::size_t from) {
     in.read(reinterpret_cast<char*>(bytes.data() + from), static_cast<std::streamsize>(bytes.size() - from));
-    if (!in) throw Failure(Cause::io, fmt::format("cannot read {}: {}", file.string(), std::strerror(errno)), file);
+    if (!in) fail_in(file, Cause::io, "cannot read {}: {}", file.string(), std::strerror(errno));
   };
   read(0);
   if (!begins_as_stream(bytes)) return bytes;  // not a stream, however large
@@ -55,10 +51,8 @@ bool is_stream_file(const std::filesystem::path& file) { return ending_of(file) 
 
 void write_stream(const Stream& stream, const std::filesystem::path& file, const StreamOptions& options,
                   const RestrictedQuadtree* base) {
-  if (!is_stream_file(file)) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("cannot write a stream to {}: the name must end in .rqt", file.string()), file);
-  }
+  if (!is_stream_file(file))
+    fail_in(file, Cause::invalid_argument, "cannot write a stream to {}: the name must end in .rqt", file.string());
   within_memory([&] {
     const std::vector<std::byte> bytes = encode(stream, options, base);
     OutputFile out{file};

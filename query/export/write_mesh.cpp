@@ -7,8 +7,7 @@
 #include <string_view>
 #include <system_error>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "query/export/writers.hpp"
 #include "talus/database.hpp"
 
@@ -40,9 +39,10 @@ const Format* known_format(const std::filesystem::path& file) {
 
 const Format& format_of(const std::filesystem::path& file) {
   if (const Format* format = known_format(file)) return *format;
-  throw Failure(Cause::invalid_argument, fmt::format("cannot write a mesh to {}: the name must end in .ply, .obj or "
-                                                     ".glb (write_raster writes .tif and .png, write_stream .rqt)",
-                                                     file.string()));
+  refuse(
+      "cannot write a mesh to {}: the name must end in .ply, .obj or .glb (write_raster writes .tif and .png, "
+      "write_stream .rqt)",
+      file.string());
 }
 
 }  // namespace
@@ -59,16 +59,14 @@ std::string ending_of(const std::filesystem::path& file) {
 void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
   const std::size_t points = mesh.size();
   if (mesh.heights.size() != points) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("cannot write {}: the mesh has {} points and {} heights; each point needs one",
-                              file.string(), points, mesh.heights.size()));
+    refuse("cannot write {}: the mesh has {} points and {} heights; each point needs one", file.string(), points,
+           mesh.heights.size());
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const std::uint32_t id : mesh.triangles[i]) {
       if (id < points) continue;
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("cannot write {}: triangle {} of the mesh names point {}; there are {}, counted from 0",
-                                file.string(), i, id, points));
+      refuse("cannot write {}: triangle {} of the mesh names point {}; there are {}, counted from 0", file.string(), i,
+             id, points);
     }
   }
 }
@@ -76,13 +74,10 @@ void check_mesh(const Mesh& mesh, const std::filesystem::path& file) {
 void check_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: there is no folder {}", file.string(), folder.string()),
-                  file);
-  }
-  if (std::filesystem::is_directory(file, ignored)) {
-    throw Failure(Cause::io, fmt::format("cannot write {}: it is a folder", file.string()), file);
-  }
+  if (!std::filesystem::is_directory(folder, ignored))
+    fail_in(file, Cause::io, "cannot write {}: there is no folder {}", file.string(), folder.string());
+  if (std::filesystem::is_directory(file, ignored))
+    fail_in(file, Cause::io, "cannot write {}: it is a folder", file.string());
 }
 
 Metres write_mesh(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {

@@ -2,13 +2,6 @@
 
 namespace talus {
 
-KeptHeights::KeptHeights(const StoredPages& pages, QueryCost& cost)
-    : pages_(pages),
-      cost_(cost),
-      all_kept_(pages.manifest().description.kept_above() == 0),
-      largest_dropped_(largest_code_within(pages.manifest().description.kept_above())),
-      bands_(static_cast<std::size_t>(pages.manifest().bands)) {}
-
 const Page* KeptHeights::page_with(GridPoint p) {
   const int bands = pages_.manifest().bands;
   const PageId id = page_of(p, band_of(p, bands));
@@ -22,16 +15,11 @@ const Page* KeptHeights::page_with(GridPoint p) {
   return band.page;
 }
 
-bool KeptHeights::is_kept_for_its_error(const Page& page, std::int32_t col, std::int32_t row) const {
-  return page.error(page.index(col, row), pages_.distance()) > largest_dropped_ ||
-         is_near_border(page.grid.at(col, row), page.extent);
-}
-
 double KeptHeights::at(GridPoint p) {
   const Page* page = page_with(p);
   if (page == nullptr) return 0;
-  const auto [col, row] = page->grid.local(p);
-  if (is_kept(*page, col, row)) return page->heights[page->index(col, row)];
+  const std::size_t i = page->index(p);
+  if (is_kept(*page, i, p)) return page->heights[i];
   const std::uint64_t key = std::uint64_t{static_cast<std::uint32_t>(p.col)} << 32 | static_cast<std::uint32_t>(p.row);
   if (const auto known = found_.find(key); known != found_.end()) return known->second;
   const Diamond d = diamond(p);

@@ -17,11 +17,11 @@ namespace talus {
 /// triangle that leaves the extent was kept (is_near_border).
 class KeptHeights {
  public:
-  KeptHeights(const StoredPages& pages, QueryCost& cost);
+  KeptHeights(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost) {}
 
-  /// Whether a vertex of a page's band stands at its own height. A page may hold more heights than that.
-  [[nodiscard]] bool is_kept(const Page& page, std::int32_t col, std::int32_t row) const {
-    return all_kept_ || is_kept_for_its_error(page, col, row);
+  /// Whether sample i of a page, a vertex of its band at p, stands at its own height. A page may hold more heights.
+  [[nodiscard]] bool is_kept(const Page& page, std::size_t i, GridPoint p) const {
+    return all_kept_ || page.error(i, pages_.distance()) > largest_dropped_ || is_near_border(p, page.extent);
   }
   /// In height codes; 0 where nothing needs a height and none is stored.
   /// fails  corrupt: a page
@@ -34,13 +34,13 @@ class KeptHeights {
     const Page* page = nullptr;
   };
   [[nodiscard]] const Page* page_with(GridPoint p);
-  [[nodiscard]] bool is_kept_for_its_error(const Page& page, std::int32_t col, std::int32_t row) const;
 
   const StoredPages& pages_;
   QueryCost& cost_;
-  bool all_kept_;
-  ErrorCode largest_dropped_;
-  std::vector<Band> bands_;  ///< the page last used of each
+  bool all_kept_ = pages_.manifest().description.kept_above() == 0;
+  ErrorCode largest_dropped_ = largest_code_within(pages_.manifest().description.kept_above());
+  /// The page last used of each.
+  std::vector<Band> bands_ = std::vector<Band>(static_cast<std::size_t>(pages_.manifest().bands));
   std::unordered_map<std::uint64_t, double> found_;
 };
 

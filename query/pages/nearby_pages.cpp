@@ -4,13 +4,6 @@
 
 namespace talus {
 
-NearbyPages::NearbyPages(const StoredPages& pages, QueryCost& cost, const Watch& watch)
-    : pages_(pages),
-      cost_(cost),
-      watch_(watch),
-      tops_(pages_of_band(pages.manifest().bands - 1, pages.manifest().description.extent)),
-      bands_(static_cast<std::size_t>(pages.manifest().bands)) {}
-
 const Page* NearbyPages::page(PageId id) { return page_at(place(id)); }
 
 const Page* NearbyPages::page_of_vertex(GridPoint p) { return page(page_of(p, band_of(p, pages_.manifest().bands))); }

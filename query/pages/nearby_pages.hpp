@@ -14,7 +14,8 @@ namespace talus {
 /// column and row: what lies around a corner where four pages meet is looked up once.
 class NearbyPages {
  public:
-  NearbyPages(const StoredPages& pages, QueryCost& cost, const Watch& watch = unwatched());
+  NearbyPages(const StoredPages& pages, QueryCost& cost, const Watch& watch = unwatched())
+      : pages_(pages), cost_(cost), watch_(watch) {}
 
   /// What is known of a page without reading it; present is false for one that holds voids only, or lies elsewhere.
   [[nodiscard]] const ChildEntry& entry(PageId id) { return place(id).entry; }
@@ -37,8 +38,9 @@ class NearbyPages {
   const StoredPages& pages_;
   QueryCost& cost_;
   const Watch& watch_;  ///< looked at before a page is read
-  std::vector<PageId> tops_;
-  std::vector<std::array<Place, 4>> bands_;
+  using Places = std::vector<std::array<Place, 4>>;
+  std::vector<PageId> tops_ = pages_of_band(pages_.manifest().bands - 1, pages_.manifest().description.extent);
+  Places bands_ = Places(static_cast<std::size_t>(pages_.manifest().bands));
 };
 
 }  // namespace talus

@@ -23,8 +23,8 @@ class PageFates {
   /// Where a stored page counts that was left out.
   [[nodiscard]] std::uint64_t& left_out(PageId id);
 
-  int bands_;
-  GridRect region_, extent_;
+  const Manifest& manifest_;
+  GridRect region_;
   QueryCost& cost_;
   int finest_height_;
 };

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -27,7 +27,7 @@ PlacedRectangle placed(const Rectangle& asked, const Description& d, const Longi
   const Rectangle r = longitudes.among(asked);
   if (!(r.xmin < r.xmax) || !(r.ymin < r.ymax) || !std::isfinite(r.xmin) || !std::isfinite(r.ymin) ||
       !std::isfinite(r.xmax) || !std::isfinite(r.ymax)) {
-    throw Failure(Cause::invalid_argument, fmt::format("rectangle {}: expected xmin < xmax and ymin < ymax", text));
+    refuse("rectangle {}: expected xmin < xmax and ymin < ymax", text);
   }
   const GridMapping& m = d.mapping;
   const double left = line_at(r.xmin, m.x0, m.dx), right = line_at(r.xmax, m.x0, m.dx);
@@ -40,9 +40,8 @@ PlacedRectangle placed(const Rectangle& asked, const Description& d, const Longi
   const bool thin =
       e.first.col == e.last.col || e.first.row == e.last.row;  // a raster one sample wide has no area anyway
   if (first_col > last_col || first_row > last_row || (!thin && (first_col == last_col || first_row == last_row))) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("rectangle {}: nothing in common with the raster, whose samples span {},{},{},{}", text,
-                              m.x(e.first.col), m.y(e.last.row), m.x(e.last.col), m.y(e.first.row)));
+    refuse("rectangle {}: nothing in common with the raster, whose samples span {},{},{},{}", text, m.x(e.first.col),
+           m.y(e.last.row), m.x(e.last.col), m.y(e.first.row));
   }
   PlacedRectangle found;
   found.samples = {{static_cast<std::int32_t>(first_col), static_cast<std::int32_t>(first_row)},

@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "engine/geo/ground.hpp"
 #include "engine/geo/longitude.hpp"
+#include "engine/machine/fail.hpp"
 #include "query/pages/extent_border.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "storage/checksum.hpp"
@@ -53,13 +52,12 @@ Longitudes StoredPages::longitudes() const {
 StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache)
     : txn_(store), cache_(std::move(cache)), file_(store.file()), lazy_(std::make_shared<Lazy>()) {
   const auto header = txn_.find({kHeaderTable, kManifestPosition});
-  if (!header)
-    throw Failure(Cause::corrupt, fmt::format("{}: not a Talus database: it has no header", file_.string()), file_);
+  if (!header) fail_in(file_, Cause::corrupt, "{}: not a Talus database: it has no header", file_.string());
   header_bytes_ = header->content.size() + kPagePrefixBytes;
   try {
     manifest_ = decode_manifest(header->content);
   } catch (const Failure& f) {
-    throw Failure(f.cause(), fmt::format("{}: {}", file_.string(), f.what()), file_);
+    fail_in(file_, f.cause(), "{}: {}", file_.string(), f.what());
   }
   distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
 }
@@ -84,35 +82,28 @@ QueryCost StoredPages::cost_of_header() const {
   return cost;
 }
 
-StoredPage StoredPages::find(PageId id, QueryCost& cost) const {
-  const auto stored = txn_.find({id.band, curve_position(id)});
-  if (!stored) {
-    throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: {}: page {}/{} of band {} is missing", file_.string(), id.x, id.y, id.band),
-                  file_);
-  }
-  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes;
+const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, Decode decode, PageDecoder& decoder,
+                              QueryCost& cost, std::uint32_t* generation) const {
+  const Stopwatch reading(cost.reading_seconds);
+  const auto page = txn_.find({id.band, curve_position(id)});
+  const auto corrupt = [&](const std::string& what) {
+    fail_in(file_, Cause::corrupt, "corrupt: {}: page {}/{} of band {} is {}", file_.string(), id.x, id.y, id.band,
+            what);
+  };
+  if (!page) corrupt("missing");
+  const std::uint64_t bytes = page->content.size() + kPagePrefixBytes;
   ++cost.pages_read;
   cost.bytes_read += bytes;
   if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
-  return *stored;
-}
-
-void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage& page) const {
-  if (page.generation == generation) return;
-  throw Failure(Cause::corrupt,
-                fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, {} is expected",
-                            file_.string(), id.x, id.y, id.band, page.generation, generation),
-                file_);
-}
-
-/// What was decoded, if the file had all its bytes until the end.
-template <class Decode>
-const Page& StoredPages::whole(Decode&& decode) const {
+  if (page->generation != expected.value_or(page->generation))
+    corrupt(fmt::format("stale: written by update {}, {} is expected", page->generation, *expected));
+  if (generation != nullptr) *generation = page->generation;
+  // A decoded page counts if the file had all its bytes until the end.
   try {
-    const Page& page = decode();
+    const Page& decoded =
+        (decoder.*decode)(id, manifest_.description.extent, manifest_.bands, distance_, page->content);
     txn_.require_all_bytes();
-    return page;
+    return decoded;
   } catch (const Failure&) {
     txn_.require_all_bytes();
     throw;
@@ -120,12 +111,15 @@ const Page& StoredPages::whole(Decode&& decode) const {
 }
 
 const Page& StoredPages::get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
-  const Stopwatch reading(cost.reading_seconds);
-  const StoredPage stored = find(id, cost);
-  require(id, generation, stored);
-  return whole([&]() -> const Page& {
-    return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
-  });
+  return read(id, generation, &PageDecoder::decode, decoder, cost);
+}
+
+const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
+  return read(id, std::nullopt, &PageDecoder::decode, decoder, cost, generation);
+}
+
+const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
+  return read(id, generation, &PageDecoder::decode_heights, decoder, cost);
 }
 
 std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generation, QueryCost& cost) const {
@@ -142,24 +136,6 @@ std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generat
 bool StoredPages::would_keep(GridRect region) const {
   constexpr std::uint64_t kBytesASample = 20;
   return static_cast<std::uint64_t>(region.samples()) <= cache_->most_bytes() / 2 / kBytesASample;
-}
-
-const Page& StoredPages::get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const {
-  const Stopwatch reading(cost.reading_seconds);
-  const StoredPage stored = find(id, cost);
-  if (generation != nullptr) *generation = stored.generation;
-  return whole([&]() -> const Page& {
-    return decoder.decode(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
-  });
-}
-
-const Page& StoredPages::get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const {
-  const Stopwatch reading(cost.reading_seconds);
-  const StoredPage stored = find(id, cost);
-  require(id, generation, stored);
-  return whole([&]() -> const Page& {
-    return decoder.decode_heights(id, manifest_.description.extent, manifest_.bands, distance_, stored.content);
-  });
 }
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "engine/page/manifest.hpp"
 #include "engine/page/page_codec.hpp"
@@ -54,10 +55,10 @@ class StoredPages {
                                         QueryCost& cost) const;
 
  private:
-  [[nodiscard]] StoredPage find(PageId id, QueryCost& cost) const;
-  void require(PageId id, std::uint32_t generation, const StoredPage& page) const;
-  template <class Decode>
-  [[nodiscard]] const Page& whole(Decode&& decode) const;
+  using Decode = decltype(&PageDecoder::decode);
+  /// expected  the generation it must have; empty: any, which `generation` receives
+  [[nodiscard]] const Page& read(PageId id, std::optional<std::uint32_t> expected, Decode decode, PageDecoder& decoder,
+                                 QueryCost& cost, std::uint32_t* generation = nullptr) const;
 
   ReadTxn txn_;
   std::shared_ptr<PageCache> cache_;

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 
@@ -14,10 +12,10 @@ void Watch::add_bytes(std::uint64_t bytes) {
   if (limits_.memory_bytes == 0) return;
   const std::uint64_t now = bytes_.fetch_add(bytes, std::memory_order_relaxed) + bytes;
   if (now <= limits_.memory_bytes) return;
-  throw Failure(Cause::too_large,
-                fmt::format("the answer takes {} bytes or more, and Limits::memory_bytes allows {}: ask for a smaller "
-                            "region or a larger tolerance",
-                            now, limits_.memory_bytes));
+  fail(Cause::too_large,
+       "the answer takes {} bytes or more, and Limits::memory_bytes allows {}: ask for a smaller region or a larger "
+       "tolerance",
+       now, limits_.memory_bytes);
 }
 
 void Watch::give_back(std::uint64_t bytes) {
@@ -32,10 +30,10 @@ void Watch::add_vertices(std::uint64_t vertices) {
 
 void Watch::require_vertices(std::uint64_t vertices) const {
   if (limits_.vertices == 0 || vertices <= limits_.vertices) return;
-  throw Failure(Cause::too_large,
-                fmt::format("the answer has {} vertices or more, and Limits::vertices allows {}: ask for a smaller "
-                            "region or a larger tolerance, or use Question::budget",
-                            vertices, limits_.vertices));
+  fail(Cause::too_large,
+       "the answer has {} vertices or more, and Limits::vertices allows {}: ask for a smaller region or a larger "
+       "tolerance, or use Question::budget",
+       vertices, limits_.vertices);
 }
 
 void Watch::stage(const char* name, double from, double to) {

@@ -5,17 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <numbers>
-#include <string>
 #include <vector>
-
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_vsi.h>
-#include <fmt/format.h>
-#include <gdal.h>
 
 #include "query/rasters/png_bytes.hpp"
 #include "query/rasters/raster_writers.hpp"
@@ -68,17 +59,6 @@ float smooth_step(double from, double to, double x) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
   return static_cast<float>(t * t * (3 - 2 * t));
 }
-
-struct Quiet {
-  Quiet() {
-    static std::once_flag registered;
-    std::call_once(registered, [] { GDALAllRegister(); });
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-  }
-  ~Quiet() { CPLPopErrorHandler(); }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-};
 
 // Sides of a cell on the ground, up to a common factor, which the exaggeration removes.
 struct CellSides {
@@ -314,7 +294,6 @@ std::vector<std::uint8_t> paint(const Mesh& mesh, const Description& description
 }  // namespace
 
 void write_png(const Mesh& mesh, const Description& description, OutputFile& out) {
-  const Quiet quiet;
   const CellSides cell = cell_sides(description, mesh.region);
   const Canvas canvas{mesh.region, cell};
   const std::vector<std::byte> picture = png_bytes(paint(mesh, description, canvas, cell), canvas.width, canvas.height);

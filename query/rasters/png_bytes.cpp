@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <gdal.h>
 
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -37,7 +37,7 @@ std::vector<std::byte> png_bytes(std::span<const std::uint8_t> rgb, int width, i
   const Quiet quiet;
   const std::string name = fmt::format("/vsimem/talus-{}.png", pictures++);
   const auto require = [&](bool done) {
-    if (!done) throw Failure(Cause::io, fmt::format("cannot make a PNG picture: {}", CPLGetLastErrorMsg()));
+    if (!done) fail(Cause::io, "cannot make a PNG picture: {}", CPLGetLastErrorMsg());
   };
   GDALDriverH memory = GDALGetDriverByName("MEM"), png = GDALGetDriverByName("PNG");
   if (memory == nullptr || png == nullptr) throw Failure(Cause::unsupported, "this GDAL writes no PNG pictures");

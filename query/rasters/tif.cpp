@@ -16,12 +16,11 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
-#include <fmt/format.h>
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
+#include "engine/machine/fail.hpp"
 #include "query/rasters/raster_writers.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
@@ -180,8 +179,8 @@ class Watch {
   /// fails  full, io: if a call has failed
   void require(bool done = true) const {
     if (done && said_.empty()) return;
-    throw Failure(full_ ? Cause::full : Cause::io,
-                  fmt::format("cannot write {}: {}", file_, said_.empty() ? "GDAL does not say why" : said_));
+    fail(full_ ? Cause::full : Cause::io, "cannot write {}: {}", file_,
+         said_.empty() ? "GDAL does not say why" : said_);
   }
 
  private:

@@ -2,11 +2,9 @@
 #include <string>
 #include <string_view>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "query/export/writers.hpp"
 #include "query/rasters/raster_writers.hpp"
-#include "talus/failure.hpp"
 #include "talus/raster_output.hpp"
 
 namespace talus {
@@ -34,10 +32,7 @@ bool is_raster_file(const std::filesystem::path& file) { return format_of(file) 
 void write_raster(const Mesh& mesh, const Description& description, const std::filesystem::path& file) {
   blaming(file, [&] {
     const Format* format = format_of(file);
-    if (format == nullptr) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("cannot write a raster to {}: the name must end in .tif or .png", file.string()));
-    }
+    if (format == nullptr) refuse("cannot write a raster to {}: the name must end in .tif or .png", file.string());
     check_mesh(mesh, file);
     OutputFile out{file};
     format->write(mesh, description, out);

@@ -17,10 +17,10 @@ void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) 
     const auto [col, row] = samples[k];
     const std::size_t i = page.index(col, row);
     here.at[k] = page.grid.at(col, row);
-    here.heights[k] = kept_.is_kept(page, col, row) ? page.heights[i] : kept_.at(here.at[k]);
+    here.heights[k] = kept_.is_kept(page, i, here.at[k]) ? page.heights[i] : kept_.at(here.at[k]);
     if (!page.covers.empty()) here.covers[k] = page.covers[i];
     // A void that no triangle needs has what its page's codec makes of it, which may be far beyond all heights.
-    if (!page.valid.empty() && page.valid[i] == 0 && !is_height(here.heights[k])) here.heights[k] = 0;
+    if (!page.is_data(i) && !is_height(here.heights[k])) here.heights[k] = 0;
   }
 }
 

@@ -26,12 +26,10 @@ class AnswerBuilder {
 
   void begin_page() { pages_found_.emplace_back(&memory_); }
   /// An own vertex of the page that was begun.
-  void take(const Page& page, std::int32_t col, std::int32_t row) {
+  void take(const Page& page, std::size_t i, GridPoint p) {
     OfPage& here = pages_found_.back();
-    const GridPoint p = page.grid.at(col, row);
-    const std::size_t i = page.index(col, row);
     here.at.push_back(p);
-    here.heights.push_back(kept_.is_kept(page, col, row) ? page.heights[i] : kept_.at(p));
+    here.heights.push_back(kept_.is_kept(page, i, p) ? page.heights[i] : kept_.at(p));
     if (!page.covers.empty()) here.covers.push_back(page.covers[i]);
   }
   /// All that are taken of a page.

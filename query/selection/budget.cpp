@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/half_diamond.hpp"
 #include "query/pages/nearby_pages.hpp"
@@ -15,7 +16,6 @@
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/answer_builder.hpp"
 #include "query/selection/refusals.hpp"
-#include "talus/failure.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
@@ -26,13 +26,7 @@ namespace {
 class Fitting {
  public:
   Fitting(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost, Watch& watch)
-      : pages_(pages),
-        region_(region),
-        budget_(budget),
-        extent_(pages.manifest().description.extent),
-        cost_(cost),
-        watch_(watch),
-        nearby_(pages, cost_, watch) {}
+      : pages_(pages), region_(region), budget_(budget), cost_(cost), watch_(watch) {}
 
   Metres run() {
     count_border();
@@ -69,25 +63,23 @@ class Fitting {
   void count_border() {
     VertexMask mask(region_);
     AnswerBuilder found(pages_, cost_);
-    std::vector<GridPoint> needed = border_vertices(region_, root_side(extent_));
+    std::vector<GridPoint> needed = border_vertices(region_, root_side(pages_.manifest().description.extent));
     if (region_.contains({0, 0})) needed.push_back({0, 0});  // a root corner, whatever the tolerance
     for (const GridPoint p : needed) {
       if (!forced_.insert(key(p)).second) continue;
       const Page* page = nearby_.page_of_vertex(p);
       if (page == nullptr) continue;
       found.begin_page();
-      const auto [col, row] = page->grid.local(p);
-      found.take(*page, col, row);
+      found.take(*page, page->index(p), p);
       mask.insert(p);
     }
     const RestrictedQuadtree border = found.quadtree(region_, std::move(mask));
     border_ = {border.vertices.size(), triangulate(border).triangles.size()};
     if (!fits(border_)) {
-      throw Failure(
-          Cause::invalid_argument,
-          fmt::format("a budget of {}: the region's border alone needs {} vertices and {} triangles; a region "
-                      "on multiples of 16 samples (snapped()) needs fewest",
-                      budget_text(), border_.vertices, border_.triangles));
+      refuse(
+          "a budget of {}: the region's border alone needs {} vertices and {} triangles; a region on multiples of 16 "
+          "samples (snapped()) needs fewest",
+          budget_text(), border_.vertices, border_.triangles);
     }
   }
 
@@ -103,10 +95,8 @@ class Fitting {
   }
 
   void count(const Page& page) {
-    for_each_in(page.grid, region_, [&](std::int32_t col, std::int32_t row) {
-      const GridPoint p = page.grid.at(col, row);
+    for_each_in(page.grid, region_, [&](std::size_t i, GridPoint p) {
       if (!page.is_own(p)) return;
-      const std::size_t i = page.index(col, row);
       const ErrorCode code = page.error(i, pages_.distance());
       if (code > 0 && !forced_.contains(key(p))) by_code_[code].add({1, triangles_added(page, i, p)});
     });
@@ -159,10 +149,9 @@ class Fitting {
   const StoredPages& pages_;
   GridRect region_;
   const Budget& budget_;
-  GridRect extent_;
   QueryCost& cost_;
   Watch& watch_;
-  NearbyPages nearby_;
+  NearbyPages nearby_{pages_, cost_, watch_};
   std::unordered_set<std::uint64_t> forced_;
   Sum border_;
   std::priority_queue<Waiting> waiting_;

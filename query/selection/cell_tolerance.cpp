@@ -7,17 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "query/selection/refusals.hpp"
-#include "talus/failure.hpp"
 #include "talus/question.hpp"
 
 namespace talus {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-
-[[noreturn]] void refuse(const std::string& sentence) { throw Failure(Cause::invalid_argument, sentence); }
 
 /// The cells along one axis in which samples lie, numbered in their order.
 struct Axis {
@@ -123,12 +121,11 @@ Axis cells_of(double x0, double dx, std::int32_t first, std::int32_t last, doubl
 std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
                                                       std::vector<double> metres) {
   if (cols < 1 || rows < 1 || cols > region.cols() || rows > region.rows()) {
-    refuse(fmt::format("{} x {} patches of tolerance: expected from 1 to as many as the region's {} x {} samples", cols,
-                       rows, region.cols(), region.rows()));
+    refuse("{} x {} patches of tolerance: expected from 1 to as many as the region's {} x {} samples", cols, rows,
+           region.cols(), region.rows());
   }
-  if (metres.size() != static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows)) {
-    refuse(fmt::format("{} tolerances for {} x {} patches: expected one a patch", metres.size(), cols, rows));
-  }
+  if (metres.size() != static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows))
+    refuse("{} tolerances for {} x {} patches: expected one a patch", metres.size(), cols, rows);
   for (const double m : metres) require_tolerance(Metres{m});
   const auto evenly = [](std::int64_t samples, std::int64_t patches) {
     Axis axis;
@@ -148,8 +145,8 @@ std::shared_ptr<const ToleranceField> raster_tolerance(const Description& d, Gri
   Axis rows =
       cells_of(m.y0, m.dy, region.first.row, region.last.row, cells.y0, cells.dy, there.first.row, there.last.row);
   if (cols.cells.empty() || rows.cells.empty()) {
-    refuse(fmt::format("tolerances do not cover the region, x {} to {}, y {} to {}", m.x(region.first.col),
-                       m.x(region.last.col), m.y(region.last.row), m.y(region.first.row)));
+    refuse("tolerances do not cover the region, x {} to {}, y {} to {}", m.x(region.first.col), m.x(region.last.col),
+           m.y(region.last.row), m.y(region.first.row));
   }
   std::vector<double> used;
   used.reserve(cols.cells.size() * rows.cells.size());
@@ -158,9 +155,9 @@ std::shared_ptr<const ToleranceField> raster_tolerance(const Description& d, Gri
       const GridPoint cell{col, row};
       const std::size_t i = metres.index(cell);
       if (metres.valid[i] == 0 || !(metres.values[i] >= 0)) {
-        refuse(fmt::format("tolerance of the cell at {}, {} (column {}, row {}): expected metres, 0 or more, not {}",
-                           cells.x(cell.col), cells.y(cell.row), cell.col, cell.row,
-                           metres.valid[i] == 0 ? "nothing" : fmt::format("{}", metres.values[i])));
+        refuse("tolerance of the cell at {}, {} (column {}, row {}): expected metres, 0 or more, not {}",
+               cells.x(cell.col), cells.y(cell.row), cell.col, cell.row,
+               metres.valid[i] == 0 ? "nothing" : fmt::format("{}", metres.values[i]));
       }
       used.push_back(metres.values[i]);
     }

@@ -1,26 +1,30 @@
 #pragma once
-// Sides that two regions share, and the vertices on them. [P98 §9]
+// The side that two regions share, and the vertices on it. [P98 §9]
 
-#include <vector>
+#include <optional>
 
-#include "engine/quadtree/grid.hpp"
+#include "engine/quadtree/rect.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
 
-/// Where one region ends and the other begins: rectangles one sample wide or high, and at least one cell long.
-[[nodiscard]] std::vector<GridRect> shared_sides(GridRect a, GridRect b);
+/// Where one region ends and the other begins: a rectangle one sample wide or high, and at least one cell long.
+[[nodiscard]] constexpr std::optional<GridRect> shared_side(GridRect a, GridRect b) {
+  const GridRect both = common(a, b);
+  const bool beside = a.last.col == b.first.col || b.last.col == a.first.col;
+  const bool above = a.last.row == b.first.row || b.last.row == a.first.row;
+  if ((beside && both.rows() > 1) || (above && both.cols() > 1)) return both;
+  return std::nullopt;
+}
 
-/// The vertices of region `of` on the sides that it shares with another.
+/// The vertices of region `of` on the side that it shares with another.
 template <class Visit>
-void for_each_on_shared_sides(const VertexMask& vertices, GridRect of, GridRect other, Visit&& visit) {
-  for (const GridRect& side : shared_sides(of, other)) {
-    for (std::int32_t row = side.first.row; row <= side.last.row; ++row) {
-      for (std::int32_t col = side.first.col; col <= side.last.col; ++col) {
-        if (vertices.contains({col, row})) visit(GridPoint{col, row});
-      }
-    }
-  }
+void for_each_on_shared_side(const VertexMask& vertices, GridRect of, GridRect other, Visit&& visit) {
+  const std::optional<GridRect> side = shared_side(of, other);
+  if (!side) return;
+  for_each_point(*side, [&](GridPoint p) {
+    if (vertices.contains(p)) visit(p);
+  });
 }
 
 }  // namespace talus

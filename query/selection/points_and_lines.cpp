@@ -6,16 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "engine/geo/longitude.hpp"
-#include "talus/failure.hpp"
+#include "engine/machine/fail.hpp"
 #include "talus/quadtree.hpp"
 
 namespace talus {
 namespace {
-
-[[noreturn]] void refuse(const std::string& sentence) { throw Failure(Cause::invalid_argument, sentence); }
 
 class Nearest {
  public:
@@ -25,13 +21,13 @@ class Nearest {
   /// In the region, half a cell beside its samples at most.
   [[nodiscard]] Place place(Position asked) const {
     if (!std::isfinite(asked.x) || !std::isfinite(asked.y))
-      refuse(fmt::format("point {}, {}: expected coordinates, two finite numbers", asked.x, asked.y));
+      refuse("point {}, {}: expected coordinates, two finite numbers", asked.x, asked.y);
     const Place found = place_at(longitudes_.among(asked, region_));
     const double col = nearest(found.col), row = nearest(found.row);
     if (!(col >= region_.first.col && col <= region_.last.col && row >= region_.first.row && row <= region_.last.row)) {
-      refuse(fmt::format("point {}, {}: expected one in the region, x {} to {}, y {} to {}", asked.x, asked.y,
-                         mapping_.x(region_.first.col), mapping_.x(region_.last.col), mapping_.y(region_.last.row),
-                         mapping_.y(region_.first.row)));
+      refuse("point {}, {}: expected one in the region, x {} to {}, y {} to {}", asked.x, asked.y,
+             mapping_.x(region_.first.col), mapping_.x(region_.last.col), mapping_.y(region_.last.row),
+             mapping_.y(region_.first.row));
     }
     return found;
   }
@@ -39,7 +35,7 @@ class Nearest {
   /// Calls visit(from, to) for the straight parts of a line within the region.
   template <class Visit>
   void parts(std::span<const Position> line, Visit&& visit) const {
-    if (line.size() < 2) refuse(fmt::format("line of {} points: expected two or more", line.size()));
+    if (line.size() < 2) refuse("line of {} points: expected two or more", line.size());
     Place from = place(line[0]);
     for (std::size_t i = 1; i < line.size(); ++i) {
       const Place to = place(line[i]);

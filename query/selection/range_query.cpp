@@ -9,8 +9,7 @@
 #include <optional>
 #include <type_traits>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/quadtree/border.hpp"
 #include "query/pages/page_descent.hpp"
@@ -36,15 +35,9 @@ class RangeQuery {
              Watch& watch)
       : pages_(pages),
         watch_(watch),
-        manifest_(pages.manifest()),
         region_(region),
-        asked_(tolerance.value),
-        lossy_(manifest_.description.lossy_metres),
-        tolerance_(left_of(tolerance)),
-        threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)),
-        keeps_pages_(pages.would_keep(region)),
-        above_(tolerance_, pages.distance()),
-        vertices_(region) {
+        asked_(tolerance),
+        threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)) {
     if (from) above_from_.emplace(left_of(*from), pages.distance());
     for (int i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<Worker>(pages, region, threads_));
   }
@@ -110,9 +103,9 @@ class RangeQuery {
     return is_empty(part) ? 0 : part.samples();
   }
 
-  /// What stored heights leave of a tolerance.
+  /// What is left of a tolerance, because stored heights may lie off the source's.
   [[nodiscard]] double left_of(Metres asked) const {
-    return std::max(manifest_.description.kept_above(), asked.value - lossy_);
+    return std::max(manifest_.description.kept_above(), asked.value - manifest_.description.lossy_metres);
   }
 
   Answer answer(std::chrono::steady_clock::time_point started) {
@@ -131,7 +124,7 @@ class RangeQuery {
       const Stopwatch gathering(answer.cost.gathering_seconds);
       answer.quadtree = AnswerBuilder::quadtree(found, region_, std::move(vertices_), threads_);
     }
-    answer.quadtree.tolerance = Metres{asked_};
+    answer.quadtree.tolerance = asked_;
     answer.quadtree.bound = bound_of(pages_, absent, tolerance_);
     answer.quadtree.level_errors = levels.metres(pages_);
     answer.quadtree.origin = {pages_.identity(), Border::constrain, true};
@@ -307,16 +300,15 @@ class RangeQuery {
 
   const StoredPages& pages_;
   Watch& watch_;
-  const Manifest& manifest_;
+  const Manifest& manifest_ = pages_.manifest();
   GridRect region_;
-  double asked_;
-  double lossy_;      ///< how far stored heights may lie from the source's
-  double tolerance_;  ///< what is left of the one asked for
+  Metres asked_;
+  double tolerance_ = left_of(asked_);
   int threads_;
-  bool keeps_pages_;  ///< for the next question
-  Threshold above_;
+  bool keeps_pages_ = pages_.would_keep(region_);  ///< for the next question
+  Threshold above_{tolerance_, pages_.distance()};
   std::optional<Threshold> above_from_;  ///< of an increment: what the coarser answer has
-  VertexMask vertices_;
+  VertexMask vertices_{region_};
   std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< pages that the border needs, and what it needs of them
   std::vector<std::unique_ptr<Worker>> workers_;
   std::int64_t area_ = 1;  ///< of the region, in samples, of which `settled_` needs no more looking
@@ -325,16 +317,12 @@ class RangeQuery {
 
 void copy_samples(const Page& page, const HeightStep& step, StoredSamples& stored) {
   SampleWindow& to = stored.window;
-  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-      const GridPoint p = page.grid.at(col, row);
-      const std::size_t i = page.index(col, row);
-      if (!to.region.contains(p) || (!page.valid.empty() && !page.valid[i])) continue;
-      to.values[to.index(p)] = step.value(page.heights[i]);
-      to.valid[to.index(p)] = 1;
-      if (page.is_dropped(col, row)) stored.dropped[to.index(p)] = 1;
-    }
-  }
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+    if (!to.region.contains(p) || !page.is_data(i)) return;
+    to.values[to.index(p)] = step.value(page.heights[i]);
+    to.valid[to.index(p)] = 1;
+    if (page.is_dropped(i, p)) stored.dropped[to.index(p)] = 1;
+  });
 }
 
 }  // namespace
@@ -351,10 +339,10 @@ Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, 
 
 SampleWindow all_samples(const StoredPages& pages, GridRect region, Watch& watch) {
   if (const double finest = pages.manifest().description.finest_tolerance; finest > 0) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("the database keeps only the vertices of answers at {} m and more: it cannot restore "
-                              "samples; ask for a surface at that tolerance",
-                              finest));
+    fail(Cause::unsupported,
+         "the database keeps only the vertices of answers at {} m and more: it cannot restore samples; ask for a "
+         "surface at that tolerance",
+         finest);
   }
   return stored_samples(pages, region, watch).window;
 }

@@ -3,20 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "engine/geo/ground.hpp"
 #include "engine/geo/longitude.hpp"
+#include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "query/pages/placed_rectangle.hpp"
 #include "query/selection/combinations.hpp"
 #include "query/selection/matching.hpp"
-#include "talus/failure.hpp"
 
 namespace talus {
 namespace {
-
-[[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
 
 class FocusTolerance final : public ToleranceField {
  public:
@@ -43,27 +39,27 @@ std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, doub
                                                       double metres_per_metre, Metres at_focus) {
   require_tolerance(at_focus);
   const double x = Longitudes(d).among(Position{asked_x, y}, d.extent).x;
-  if (!std::isfinite(x) || !std::isfinite(y)) refuse(fmt::format("focus {}, {}: expected coordinates", x, y));
+  if (!std::isfinite(x) || !std::isfinite(y)) refuse("focus {}, {}: expected coordinates", x, y);
   if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
-    refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));
+    refuse("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre);
   const double col = (x - d.mapping.x0) / d.mapping.dx, row = (y - d.mapping.y0) / d.mapping.dy;
   const GridRect& e = d.extent;
   if (!(col >= e.first.col - 0.5 && col <= e.last.col + 0.5 && row >= e.first.row - 0.5 && row <= e.last.row + 0.5)) {
-    refuse(fmt::format(
-        "focus {}, {}: lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the "
-        "database's CRS",
-        x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row)));
+    refuse(
+        "focus {}, {}: lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the database's "
+        "CRS",
+        x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row));
   }
   const Ground ground(d.crs);
   const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
                down = ground.metres({x, y}, {x, y + d.mapping.dy});
   if (!(right > 0) || !(down > 0))
-    refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
+    refuse("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y);
   return std::make_shared<FocusTolerance>(col, row, right, down, metres_per_metre, at_focus.value);
 }
 
 GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {
-  if (samples < 1) refuse(fmt::format("snap to multiples of {} samples: expected 1 or more", samples));
+  if (samples < 1) refuse("snap to multiples of {} samples: expected 1 or more", samples);
   const auto down = [&](std::int64_t v) { return v - ((v % samples) + samples) % samples; };
   const auto up = [&](std::int64_t v) { return -down(-v); };
   const auto within = [](std::int64_t v, std::int32_t first, std::int32_t last) {
@@ -81,16 +77,15 @@ int finest_level(GridRect extent) {
 
 void require_inside(const StoredPages& pages, GridRect region) {
   const GridRect& extent = pages.manifest().description.extent;
-  if (region.cols() < 1 || region.rows() < 1 || !extent.contains(region.first) || !extent.contains(region.last)) {
-    refuse(fmt::format("region of columns {} to {}, rows {} to {}: expected one within columns {} to {}, rows {} to {}",
-                       region.first.col, region.last.col, region.first.row, region.last.row, extent.first.col,
-                       extent.last.col, extent.first.row, extent.last.row));
+  if (is_empty(region) || !extent.contains(region.first) || !extent.contains(region.last)) {
+    refuse("region of columns {} to {}, rows {} to {}: expected one within columns {} to {}, rows {} to {}",
+           region.first.col, region.last.col, region.first.row, region.last.row, extent.first.col, extent.last.col,
+           extent.first.row, extent.last.row);
   }
 }
 
 void require_tolerance(Metres tolerance) {
-  if (!(tolerance.value >= 0))
-    refuse(fmt::format("tolerance {} m: expected a number of metres, 0 or more", tolerance.value));
+  if (!(tolerance.value >= 0)) refuse("tolerance {} m: expected a number of metres, 0 or more", tolerance.value);
 }
 
 namespace {
@@ -102,12 +97,12 @@ void require_neighbour(const StoredPages& pages, GridRect region, const Restrict
     refuse("a neighbour's border is not constrained: nothing can meet it in vertices");
   const GridRect& other = neighbour.region;
   if (!(neighbour.vertices.region() == other)) refuse("a neighbour's vertices are not those of its region");
-  if (!shared_sides(region, other).empty()) return;
-  refuse(fmt::format(
-      "the neighbour of columns {} to {}, rows {} to {} shares no side with the region of columns {} to {}, "
-      "rows {} to {}",
+  if (shared_side(region, other)) return;
+  refuse(
+      "the neighbour of columns {} to {}, rows {} to {} shares no side with the region of columns {} to {}, rows {} to "
+      "{}",
       other.first.col, other.last.col, other.first.row, other.last.row, region.first.col, region.last.col,
-      region.first.row, region.last.row));
+      region.first.row, region.last.row);
 }
 
 }  // namespace
@@ -140,8 +135,7 @@ namespace {
 
 void require_combinable(const Question& question, bool together) {
   for (const Combination& pair : kRefused) {
-    if (asks_for(question, pair.one, together) && asks_for(question, pair.other, together))
-      refuse(std::string(pair.sentence));
+    if (asks_for(question, pair.one, together) && asks_for(question, pair.other, together)) refuse("{}", pair.sentence);
   }
 }
 
@@ -155,9 +149,8 @@ void require_from(const Question& question) {
 
 void require_finer(Metres from, Metres to) {
   if (to < from) return;
-  refuse(fmt::format(
-      "increment from {} m to {} m: expected a finer one to go to: Question::tolerance below Question::from",
-      from.value, to.value));
+  refuse("increment from {} m to {} m: expected a finer one to go to: Question::tolerance below Question::from",
+         from.value, to.value);
 }
 
 void require_combinable(const Question& question) { require_combinable(question, false); }
@@ -175,7 +168,7 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   require_inside(pages, question.region);
   require_tolerance(question.tolerance);
   if (question.max_level && *question.max_level < 0)
-    refuse(fmt::format("largest level {}: expected 0 or more", *question.max_level));
+    refuse("largest level {}: expected 0 or more", *question.max_level);
   if (question.from) require_from(question);
   const std::vector<GridPoint> nearest = samples_nearest(d, question.region, question.places);
   question.points.insert(question.points.end(), nearest.begin(), nearest.end());
@@ -187,10 +180,9 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   question.lines.clear();
   for (const GridPoint p : question.points) {
     if (question.region.contains(p)) continue;
-    refuse(fmt::format(
-        "point of interest at column {}, row {}: expected one in the region, columns {} to {}, rows {} to {}", p.col,
-        p.row, question.region.first.col, question.region.last.col, question.region.first.row,
-        question.region.last.row));
+    refuse("point of interest at column {}, row {}: expected one in the region, columns {} to {}, rows {} to {}", p.col,
+           p.row, question.region.first.col, question.region.last.col, question.region.first.row,
+           question.region.last.row);
   }
   for (const RestrictedQuadtree* neighbour : question.neighbours) require_neighbour(pages, question.region, *neighbour);
   return question;

@@ -23,21 +23,7 @@ namespace {
 class Selection {
  public:
   Selection(const StoredPages& pages, const Question& question, Watch& watch)
-      : pages_(pages),
-        question_(question),
-        watch_(watch),
-        extent_(pages.manifest().description.extent),
-        root_(root_side(extent_)),
-        kept_above_(pages.manifest().description.kept_above()),
-        lossy_(pages.manifest().description.lossy_metres),
-        above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
-        finest_height_(std::max(0, finest_level(extent_) - question.max_level.value_or(finest_level(extent_)))),
-        cost_(pages.cost_of_header()),
-        fates_(pages, question.region, cost_, finest_height_),
-        nearby_(pages, cost_, watch),
-        found_(pages, cost_),
-        looked_into_(static_cast<std::size_t>(pages.manifest().bands)),
-        marked_(looked_into_.size()) {}
+      : pages_(pages), question_(question), watch_(watch) {}
 
   /// What the question asks for by itself.
   void choose() {
@@ -63,7 +49,7 @@ class Selection {
     const Stopwatch running(cost_.seconds);
     watch_.look();
     std::uint64_t added = 0;
-    for_each_on_shared_sides(its_vertices, neighbour, question_.region, [&](GridPoint p) {
+    for_each_on_shared_side(its_vertices, neighbour, question_.region, [&](GridPoint p) {
       if (vertices_.contains(p)) return;
       vertices_.insert(p);
       ++added;
@@ -100,7 +86,7 @@ class Selection {
     answer.points = question_.points.size();
     answer.void_points = void_points_;
     for (const RestrictedQuadtree* neighbour : question_.neighbours) {
-      for_each_on_shared_sides(answer.quadtree.vertices, question_.region, neighbour->region, [&](GridPoint p) {
+      for_each_on_shared_side(answer.quadtree.vertices, question_.region, neighbour->region, [&](GridPoint p) {
         if (!neighbour->vertices.contains(p)) answer.unmatched.push_back(p);
       });
     }
@@ -121,8 +107,7 @@ class Selection {
       const ExtentBorder& border = pages_.extent_border();
       VerticesAround outside = vertices_around(question_.region, extent_, finest_height_, above_, border, nearby_);
       for (const GridPoint p : outside.corners) {
-        window = {{std::min(window.first.col, p.col), std::min(window.first.row, p.row)},
-                  {std::max(window.last.col, p.col), std::max(window.last.row, p.row)}};
+        window = around(window, {p, p});
       }
       absent_ = outside.absent;
       needed = std::move(outside.corners);
@@ -156,16 +141,15 @@ class Selection {
   [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
     if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;
     if (!question_.field) return above_(page, i);
-    const double error =
-        page.is_implied(i) ? pages_.distance().metres(page.implied_distance(i)) : error_of(page.errors[i]);
+    const double error = page.error_m(i, pages_.distance());
     return error > kept_above_ && error > limit_in(grown({p, p}, spacing(p)));
   }
 
-  /// The page's own vertices in a rectangle, by page-relative column and row.
+  /// visit(i, p): the page's own vertices in a rectangle.
   template <class Visit>
   static void for_each_own(const Page& page, GridRect in, Visit&& visit) {
-    for_each_in(page.grid, in, [&](std::int32_t col, std::int32_t row) {
-      if (page.is_own(page.grid.at(col, row))) visit(col, row);
+    for_each_in(page.grid, in, [&](std::size_t i, GridPoint p) {
+      if (page.is_own(p)) visit(i, p);
     });
   }
 
@@ -174,9 +158,7 @@ class Selection {
     std::uint64_t selected = 0;
     const std::shared_ptr<const Page> page = pages_.shared(id, generation, cost_);
     look_into(*page, true);
-    for_each_own(*page, question_.region, [&](std::int32_t col, std::int32_t row) {
-      const GridPoint p = page->grid.at(col, row);
-      const std::size_t i = page->index(col, row);
+    for_each_own(*page, question_.region, [&](std::size_t i, GridPoint p) {
       if (is_selected(*page, i, p)) {
         if (vertices_.contains(p)) --forced_alone_;
         vertices_.insert(p);
@@ -218,7 +200,7 @@ class Selection {
     std::uint64_t added = 0;
     for (const GridPoint p : points) {
       const Page* page = nearby_.page_of_vertex(p);
-      if (page == nullptr || !is_data(*page, p)) {
+      if (page == nullptr || !page->is_data(page->index(p))) {
         ++void_points_;
       } else if (!vertices_.contains(p)) {
         vertices_.insert(p);
@@ -226,10 +208,6 @@ class Selection {
       }
     }
     return added;
-  }
-  static bool is_data(const Page& page, GridPoint p) {
-    if (page.valid.empty()) return true;
-    return page.valid[page.index(p)] != 0;
   }
 
   void gather_pages() {
@@ -264,9 +242,9 @@ class Selection {
     look_into(*page, false);
     found_.begin_page();
     std::uint64_t taken = 0;
-    for_each_own(*page, vertices_.region(), [&](std::int32_t col, std::int32_t row) {
-      if (!vertices_.contains(page->grid.at(col, row))) return;
-      found_.take(*page, col, row);
+    for_each_own(*page, vertices_.region(), [&](std::size_t i, GridPoint p) {
+      if (!vertices_.contains(p)) return;
+      found_.take(*page, i, p);
       ++taken;
     });
     watch_.add_vertices(taken);
@@ -280,16 +258,18 @@ class Selection {
   const StoredPages& pages_;
   const Question& question_;
   Watch& watch_;
-  GridRect extent_;
-  std::int32_t root_;
-  double kept_above_;  ///< metres
-  double lossy_;       ///< how far stored heights may lie from the source's
-  Threshold above_;
-  int finest_height_;  ///< log2 of the smallest spacing that max_level allows
-  QueryCost cost_;
-  PageFates fates_;
-  NearbyPages nearby_;
-  AnswerBuilder found_;
+  const Description& description_ = pages_.manifest().description;
+  GridRect extent_ = description_.extent;
+  std::int32_t root_ = root_side(extent_);
+  double kept_above_ = description_.kept_above();  ///< metres
+  double lossy_ = description_.lossy_metres;       ///< how far stored heights may lie from the source's
+  Threshold above_{std::max(kept_above_, question_.tolerance.value - lossy_), pages_.distance()};
+  /// log2 of the smallest spacing that max_level allows
+  int finest_height_ = std::max(0, finest_level(extent_) - question_.max_level.value_or(finest_level(extent_)));
+  QueryCost cost_ = pages_.cost_of_header();
+  PageFates fates_{pages_, question_.region, cost_, finest_height_};
+  NearbyPages nearby_{pages_, cost_, watch_};
+  AnswerBuilder found_{pages_, cost_};
   VertexMask vertices_;
   std::uint64_t forced_alone_ = 0;  ///< vertices that only the border needs
   std::uint64_t matching_ = 0;      ///< vertices that only neighbours need
@@ -298,8 +278,8 @@ class Selection {
   std::uint64_t selected_ = 0;  ///< vertices whose errors are above the tolerance
   std::uint64_t pages_chosen_ = 0, pages_marked_ = 0, pages_gathered_ = 0;
   LargestAbsent absent_;
-  std::vector<std::unordered_set<std::uint64_t>> looked_into_;  ///< by band, positions on the curve
-  std::vector<std::unordered_set<std::uint64_t>> marked_;       ///< the same
+  using PagesByBand = std::vector<std::unordered_set<std::uint64_t>>;  ///< positions on the curve
+  PagesByBand looked_into_ = PagesByBand(static_cast<std::size_t>(pages_.manifest().bands)), marked_ = looked_into_;
 };
 
 }  // namespace

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "engine/geo/longitude.hpp"
+#include "engine/machine/fail.hpp"
 
 namespace talus {
 namespace {
@@ -80,8 +79,8 @@ class Samples {
   [[nodiscard]] std::optional<double> sample(GridPoint p) {
     const Page* page = nearby_.page(page_of(p, 0));
     if (page == nullptr) return std::nullopt;
-    const std::size_t i = page->index(p.col - page->grid.first.col, p.row - page->grid.first.row);
-    if (!page->valid.empty() && page->valid[i] == 0) return std::nullopt;
+    const std::size_t i = page->index(p);
+    if (!page->is_data(i)) return std::nullopt;
     return page->heights[i];
   }
 
@@ -94,10 +93,10 @@ QueryCost sampled_heights(const StoredPages& pages, std::span<const Position> po
                           std::span<std::optional<double>> out) {
   const Description& description = pages.manifest().description;
   if (description.finest_tolerance > 0) {
-    throw Failure(Cause::unsupported,
-                  fmt::format("the database keeps only the vertices for tolerances of {} m and more, so it has no "
-                              "samples to interpolate. Ask for the heights of a surface at that tolerance or more",
-                              description.finest_tolerance));
+    fail(Cause::unsupported,
+         "the database keeps only the vertices for tolerances of {} m and more, so it has no samples to interpolate. "
+         "Ask for the heights of a surface at that tolerance or more",
+         description.finest_tolerance);
   }
   return timed(pages, [&](QueryCost& cost) {
     Samples samples(pages, cost);

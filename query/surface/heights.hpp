@@ -1,5 +1,5 @@
 #pragma once
-// Heights at points: Snapshot::height and Snapshot::heights.
+// Heights at points and along lines: Snapshot::height, heights and profile.
 
 #include <optional>
 #include <span>
@@ -15,5 +15,8 @@ namespace talus {
 /// Heights of the surface at a tolerance.
 [[nodiscard]] QueryCost surface_heights(const StoredPages& pages, const ExtentBorder& border, Metres tolerance,
                                         std::span<const Position> points, std::span<std::optional<double>> out);
+/// The surface along a line.
+[[nodiscard]] Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<const Position> line,
+                              Metres tolerance);
 
 }  // namespace talus

@@ -1,5 +1,3 @@
-#include "query/surface/profile.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "engine/geo/ground.hpp"
 #include "engine/geo/longitude.hpp"
+#include "engine/machine/fail.hpp"
 #include "query/selection/refusals.hpp"
+#include "query/surface/heights.hpp"
 
 namespace talus {
 namespace {
@@ -198,19 +196,13 @@ void thin(const std::vector<CutVertex>& part, double slack, Take&& take) {
 }
 
 void require_line(std::span<const Position> line) {
-  if (line.size() < 2) {
-    throw Failure(Cause::invalid_argument, fmt::format("a line of {} points: expected two or more", line.size()));
-  }
+  if (line.size() < 2) refuse("a line of {} points: expected two or more", line.size());
   for (const Position p : line) {
-    if (!std::isfinite(p.x) || !std::isfinite(p.y)) {
-      throw Failure(Cause::invalid_argument,
-                    fmt::format("a line through {},{}: expected finite coordinates", p.x, p.y));
-    }
+    if (!std::isfinite(p.x) || !std::isfinite(p.y))
+      refuse("a line through {},{}: expected finite coordinates", p.x, p.y);
   }
-  if (std::all_of(line.begin(), line.end(), [&](Position p) { return p == line.front(); })) {
-    throw Failure(Cause::invalid_argument,
-                  fmt::format("a line that stays at {},{}: expected two different points", line[0].x, line[0].y));
-  }
+  if (std::all_of(line.begin(), line.end(), [&](Position p) { return p == line.front(); }))
+    refuse("a line that stays at {},{}: expected two different points", line[0].x, line[0].y);
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
+#include "engine/machine/fail.hpp"
 #include "query/selection/refusals.hpp"
 
 namespace talus {
@@ -47,13 +46,10 @@ double Facet::at(Place p) const {
 Surface::Surface(const StoredPages& pages, const ExtentBorder& border, Metres tolerance, QueryCost& cost)
     : pages_(pages),
       border_(border),
-      extent_(pages.manifest().description.extent),
-      tolerance_(std::max(pages.manifest().description.kept_above(),
-                          tolerance.value - pages.manifest().description.lossy_metres)),
-      threshold_(largest_code_within(tolerance_)),
+      tolerance_(std::max(description_.kept_above(), tolerance.value - description_.lossy_metres)),
       nearby_(pages, cost) {
   require_tolerance(tolerance);
-  if (pages.manifest().description.kept_above() > 0) kept_heights_.emplace(pages, cost);
+  if (description_.kept_above() > 0) kept_heights_.emplace(pages, cost);
   if (extent_.cols() < 2 || extent_.rows() < 2) return;  // no area, no triangle
   for_each_root_triangle(extent_, [&](const Triangle& root) {
     if (may_hold(root)) roots_.push_back(root);
@@ -90,9 +86,7 @@ std::optional<Facet> Surface::facet(const Triangle& t) {
   if (!inside(t, extent_)) return std::nullopt;
   const Page* page = nearby_.page(page_with(t.apex));
   if (page == nullptr) return std::nullopt;
-  if (!page->covers.empty()) {
-    if ((page->covers[page->index(t.apex)] & bit_of(t)) == 0) return std::nullopt;
-  }
+  if (!page->covers.empty() && (page->covers[page->index(t.apex)] & bit_of(t)) == 0) return std::nullopt;
   return Facet{t, corner(t.apex), corner(t.left), corner(t.right)};
 }
 
@@ -100,14 +94,11 @@ double Surface::corner(GridPoint p) {
   const PageId id = page_with(p);
   const Page* page = nearby_.page(id);
   if (page == nullptr) {
-    throw Failure(Cause::corrupt,
-                  fmt::format("corrupt: {}: page {}/{} of band {} is missing, but a triangle needs it",
-                              pages_.file().string(), id.x, id.y, id.band),
-                  pages_.file());
+    fail_in(pages_.file(), Cause::corrupt, "corrupt: {}: page {}/{} of band {} is missing, but a triangle needs it",
+            pages_.file().string(), id.x, id.y, id.band);
   }
-  const auto [col, row] = page->grid.local(p);
-  if (kept_heights_ && !kept_heights_->is_kept(*page, col, row)) return kept_heights_->at(p);
-  return page->heights[page->index(col, row)];
+  const std::size_t i = page->index(p);
+  return kept_heights_ && !kept_heights_->is_kept(*page, i, p) ? kept_heights_->at(p) : page->heights[i];
 }
 
 std::optional<double> Surface::height(Place p) {
@@ -149,7 +140,7 @@ std::optional<double> Surface::height(const Triangle& root, Place p) {
 
 double Surface::bound() const {
   // An answer's bound may be smaller: it is the largest error of an absent vertex.
-  const Description& d = pages_.manifest().description;
+  const Description& d = description_;
   constexpr double kDecimalRounding = 1e-9;
   const bool heights_are_exact = pages_.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
   return tolerance_ + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);

@@ -77,9 +77,10 @@ class Surface {
 
   const StoredPages& pages_;
   const ExtentBorder& border_;
-  GridRect extent_;
+  const Description& description_ = pages_.manifest().description;
+  GridRect extent_ = description_.extent;
   double tolerance_;  ///< metres, minus the loss
-  ErrorCode threshold_;
+  ErrorCode threshold_ = largest_code_within(tolerance_);
   NearbyPages nearby_;
   std::optional<KeptHeights> kept_heights_;  ///< if some heights were dropped
   std::vector<Triangle> roots_;

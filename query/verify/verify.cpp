@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -43,13 +42,7 @@ class Telling {
 
 class Verification {
  public:
-  Verification(const StoredPages& pages, const VerifyOptions& options)
-      : pages_(pages),
-        description_(pages.manifest().description),
-        extent_(description_.extent),
-        options_(options),
-        // In pages read, a tile is as much work as 65 pages; answers and comparing with a truth are as much again.
-        telling_(options, (options.truth ? 4 : 3) * tiles_in(extent_) * kStepsATile) {}
+  Verification(const StoredPages& pages, const VerifyOptions& options) : pages_(pages), options_(options) {}
 
   VerifyReport report;
 
@@ -200,7 +193,7 @@ class Verification {
   /// Whether a source's sample is stored bit for bit, or within the loss of a height step.
   [[nodiscard]] bool is_stored_as(double stored, double source) const {
     const Description& d = description_;
-    if (std::bit_cast<std::uint64_t>(stored) == std::bit_cast<std::uint64_t>(source)) return true;
+    if (is_same(stored, source)) return true;
     // The rounding of a multiple of the step, if that is a decimal.
     const double arithmetic = 4 * std::numeric_limits<double>::epsilon() * std::abs(source);
     return d.lossy_metres > 0 && std::abs(stored - source) <= d.lossy_metres / d.metres_per_unit + arithmetic;
@@ -227,10 +220,11 @@ class Verification {
   static constexpr std::uint64_t kMostVertices = 4'000'000;
 
   const StoredPages& pages_;
-  const Description& description_;
-  GridRect extent_;
   const VerifyOptions& options_;
-  Telling telling_;
+  const Description& description_ = pages_.manifest().description;
+  GridRect extent_ = description_.extent;
+  // In pages read, a tile is as much work as 65 pages; answers and comparing with a truth are as much again.
+  Telling telling_{options_, (options_.truth ? 4 : 3) * tiles_in(extent_) * kStepsATile};
   ErrorHistogram vertices_above_{};
   Findings findings_{report, description_};
 };

@@ -1,7 +1,6 @@
 #include "query/verify/verify_computed.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -19,13 +18,6 @@
 namespace talus {
 namespace {
 
-bool is_same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-
-GridRect tiles_of(GridRect extent) {
-  return {{(extent.first.col - kBlockSide) >> kTileShift, (extent.first.row - kBlockSide) >> kTileShift},
-          {(extent.last.col + kBlockSide) >> kTileShift, (extent.last.row + kBlockSide) >> kTileShift}};
-}
-
 GridRect square_of(TileId id) { return page_square({1, id.x, id.y}); }
 /// The place of a finding about a tile: its square, or its window if the square has no samples.
 GridRect place_of(TileId id, GridRect extent) {
@@ -34,72 +26,70 @@ GridRect place_of(TileId id, GridRect extent) {
 
 /// Facts that all computations need.
 struct Rules {
-  explicit Rules(const Manifest& m)
-      : manifest(m),
-        extent(m.description.extent),
-        distance(m.description.step, m.description.metres_per_unit),
-        ground(Ground(m.description.crs).scale_of(m.description.mapping, extent)),
-        dropped(m.description.kept_above() > 0 ? std::optional(largest_code_within(m.description.kept_above()))
-                                               : std::nullopt) {}
+  const Manifest& manifest;
+  const Description& description = manifest.description;
+  GridRect extent = description.extent;
+  CodeDistance distance{description.step, description.metres_per_unit};
+  GroundScale ground = Ground(description.crs).scale_of(description.mapping, extent);
+  /// If not all samples were kept: errors up to this one may be stored as 0.
+  std::optional<ErrorCode> dropped = description.kept_above() > 0
+                                         ? std::optional(largest_code_within(description.kept_above()))
+                                         : std::nullopt;
 
   [[nodiscard]] GroundSide side() const {
     return [this](const HalfDiamond& t) { return ground.longest_side(t.a, t.b, t.apex).value; };
   }
   [[nodiscard]] ErrorRule rule() const {
-    return {manifest.description.error_metric, [this](std::int32_t row) { return ground.cell(row); }};
+    return {description.error_metric, [this](std::int32_t row) { return ground.cell(row); }};
   }
-
-  const Manifest& manifest;
-  GridRect extent;
-  CodeDistance distance;
-  GroundScale ground;
-  std::optional<ErrorCode> dropped;  ///< if not all samples were kept: errors up to this one may be stored as 0
 };
+
+/// The first triangle at p whose bit in `covers` is wrong. Triangles that leave the extent do not count.
+template <class Computed>
+std::optional<std::size_t> wrong_triangle(const Rules& rules, GridPoint p, std::uint8_t covers,
+                                          const Computed& computed) {
+  if (spacing(p) == kRootSpacing) return std::nullopt;
+  const unsigned wrong = covers ^ computed.covers(p);
+  const auto triangles = apex_triangles(p);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const bool is_inside = rules.extent.contains(triangles[t].left) && rules.extent.contains(triangles[t].right);
+    if (is_inside && (wrong >> t & 1) != 0) return t;
+  }
+  return std::nullopt;
+}
 
 /// The first difference between a page and error(p), covers(p), height(p), is_data(p) as computed; empty if there is
 /// none. A null page is one that is not stored.
 template <class Computed>
 std::string difference(const Rules& rules, const PageGrid& grid, PageId id, const Page* page,
                        const Computed& computed) {
-  const GridRect& extent = rules.extent;
-  for (std::int32_t row = 0; row < grid.rows; ++row) {
-    for (std::int32_t col = 0; col < grid.cols; ++col) {
-      const GridPoint p = grid.at(col, row);
-      if (band_of(p, rules.manifest.bands) != id.band) continue;
-      const std::size_t i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
-      const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
-      ErrorCode error = computed.error(p);
-      const ErrorCode said = page == nullptr ? ErrorCode{0} : page->error(i, rules.distance);
-      if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
-      if (error != said)
-        return fmt::format("the error {} is {} m, but the samples give {} m", at(), error_of(said), error_of(error));
-      const bool is_data = page != nullptr && (page->valid.empty() || page->valid[i] != 0);
-      if (is_data != computed.is_data(p))
-        return fmt::format("{} {}, expected {}", is_data ? "a sample" : "no data", at(),
-                           is_data ? "no data" : "a sample");
-      const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
-                                  : page->covers.empty() ? std::uint8_t{15}
-                                                         : page->covers[i];
-      if (spacing(p) != kRootSpacing) {
-        const std::uint8_t wanted = computed.covers(p);
-        const auto triangles = apex_triangles(p);
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-          if (!extent.contains(triangles[t].left) || !extent.contains(triangles[t].right)) continue;
-          if ((covers >> t & 1) != (wanted >> t & 1))
-            return fmt::format("triangle {} {} is wrongly marked as {}", t, at(),
-                               (covers >> t & 1) != 0 ? "valid" : "void");
-        }
-      }
-      if (page == nullptr || covers == 0 || page->is_dropped(col, row)) continue;
-      if (!is_same(page->heights[i], computed.height(p))) {
-        const HeightStep& step = rules.manifest.description.step;
-        return fmt::format("{} {} {}, but {} give {}", is_data ? "height" : "fill", step.value(page->heights[i]), at(),
-                           is_data ? "records" : "the samples around it", step.value(computed.height(p)));
-      }
+  std::string found;
+  any_sample(grid, [&](std::size_t i, GridPoint p) {
+    if (band_of(p, rules.manifest.bands) != id.band) return false;
+    const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
+    ErrorCode error = computed.error(p);
+    const ErrorCode said = page == nullptr ? ErrorCode{0} : page->error(i, rules.distance);
+    if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
+    const bool is_data = page != nullptr && page->is_data(i);
+    const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
+                                : page->covers.empty() ? std::uint8_t{15}
+                                                       : page->covers[i];
+    if (error != said) {
+      found = fmt::format("the error {} is {} m, but the samples give {} m", at(), error_of(said), error_of(error));
+    } else if (is_data != computed.is_data(p)) {
+      const char *sample = "a sample", *none = "no data";
+      found = fmt::format("{} {}, expected {}", is_data ? sample : none, at(), is_data ? none : sample);
+    } else if (const auto t = wrong_triangle(rules, p, covers, computed)) {
+      found =
+          fmt::format("triangle {} {} is wrongly marked as {}", *t, at(), (covers >> *t & 1) != 0 ? "valid" : "void");
+    } else if (covers != 0 && !page->is_dropped(i, p) && !is_same(page->heights[i], computed.height(p))) {
+      const HeightStep& step = rules.description.step;
+      found = fmt::format("{} {} {}, but {} give {}", is_data ? "height" : "fill", step.value(page->heights[i]), at(),
+                          is_data ? "records" : "the samples around it", step.value(computed.height(p)));
     }
-  }
-  return "";
+    return !found.empty();
+  });
+  return found;
 }
 
 // ---- tiles -------------------------------------------------------------------------------------------
@@ -108,12 +98,7 @@ class TileChecks {
  public:
   TileChecks(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1, Findings& findings,
              VerifyReport& report)
-      : pages_(pages),
-        rules_(pages.manifest()),
-        decoded_(decoded),
-        of_band_1_(of_band_1),
-        findings_(findings),
-        report_(report) {
+      : pages_(pages), decoded_(decoded), of_band_1_(of_band_1), findings_(findings), report_(report) {
     totals_.lowest = std::numeric_limits<double>::infinity();
     totals_.highest = -totals_.lowest;
   }
@@ -148,28 +133,29 @@ class TileChecks {
       if (!compute(id, kind)) continue;
       if (said == encode(summary_of(id))) return;
     }
-    findings_.in(place_of(id, rules_.extent), describe(id, *record));
+    find_in_record(id, difference_of(id, *record));
   }
 
   std::optional<TileSummary> record_of(TileId id) {
-    const PageKey key{kRecordTable, curve_position({1, id.x, id.y})};
     const auto refuse = [&](const std::string& sentence) {
-      findings_.in(place_of(id, rules_.extent), sentence);
+      find_in_record(id, sentence);
       return std::nullopt;
     };
     try {
-      const auto stored = pages_.transaction().find(key);
-      if (!stored) return refuse(fmt::format("record of tile {}/{}: missing", id.x, id.y));
+      const auto stored = pages_.transaction().find({kRecordTable, curve_position({1, id.x, id.y})});
+      if (!stored) return refuse("missing");
       ++report_.records;
       TileSummary record = decode_tile_summary(stored->content);
       if (stored->generation != record.entry.generation)
-        return refuse(fmt::format("record of tile {}/{}: written by update {}, but it says {}", id.x, id.y,
-                                  stored->generation, record.entry.generation));
+        return refuse(fmt::format("written by update {}, but it says {}", stored->generation, record.entry.generation));
       return record;
     } catch (const Failure& f) {
       if (f.cause() != Cause::corrupt) throw;
-      return refuse(fmt::format("record of tile {}/{}: {}", id.x, id.y, f.what()));
+      return refuse(f.what());
     }
+  }
+  void find_in_record(TileId id, const std::string& what) {
+    findings_.in(place_of(id, rules_.extent), fmt::format("record of tile {}/{}: {}", id.x, id.y, what));
   }
 
   void add(const TileSummary& record) {
@@ -199,11 +185,10 @@ class TileChecks {
     return true;
   }
   void copy(const Page& page) {
-    for_each_in(page.grid, window_, [&](std::int32_t col, std::int32_t row) {
-      const std::size_t from = page.index(col, row), to = index(page.grid.at(col, row));
-      if (!page.valid.empty() && page.valid[from] == 0) return;
-      codes_[to] = page.heights[from];
-      valid_[to] = 1;
+    for_each_in(page.grid, window_, [&](std::size_t i, GridPoint p) {
+      if (!page.is_data(i)) return;
+      codes_[index(p)] = page.heights[i];
+      valid_[index(p)] = 1;
     });
   }
   [[nodiscard]] std::size_t index(GridPoint p) const { return index_in(window_, p); }
@@ -230,14 +215,14 @@ class TileChecks {
     if (has_voids) input.valid = valid_;
     input.distance = rules_.distance;
     input.ground_side = rules_.side();
-    input.void_weight = rules_.manifest.description.void_weight;
+    input.void_weight = rules_.description.void_weight;
     input.rule = rules_.rule();
     tile_errors(input, tile_);
     return true;
   }
   /// The kind of numbers that ingest uses for the source's type.
   [[nodiscard]] std::size_t usual_kind() const {
-    const std::string& type = rules_.manifest.description.source_type;
+    const std::string& type = rules_.description.source_type;
     return type == "Byte" || type == "Int16" ? 0 : type == "UInt16" || type == "Float32" ? 1 : 2;
   }
 
@@ -263,11 +248,16 @@ class TileChecks {
       findings_.in(place_of(id, rules_.extent), "some heights are not numbers");
       return false;
     }
+    return all_pages_of(id, [&](PageId page) { return check_page(page); });
+  }
+  /// Whether check(page) holds for all pages of bands 0 and 1 of a tile; calls it for each.
+  template <class Check>
+  static bool all_pages_of(TileId id, Check&& check) {
     const PageId parent{1, id.x, id.y};
-    bool is_sound = check_page(parent);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
-      is_sound = check_page(child_page(parent, i)) && is_sound;
-    return is_sound;
+    bool all = check(parent);
+    for (std::size_t i = 0; i < std::size_t{kChildrenAcross} * kChildrenAcross; ++i)
+      all = check(child_page(parent, i)) && all;
+    return all;
   }
   bool check_page(PageId id) {
     const PageGrid grid = page_grid(id, rules_.extent);
@@ -285,11 +275,9 @@ class TileChecks {
     TileSummary made;
     if (is_empty(window_)) return made;
     made.record = tile_.record;
-    if (const auto page = of_band_1_.find(curve_position({1, id.x, id.y})); page != of_band_1_.end()) {
-      made.entry = page->second.entry;
-    } else {
-      made.entry = entry_of_no_page();
-    }
+    constexpr float kNothing = std::numeric_limits<float>::infinity();
+    const auto page = of_band_1_.find(curve_position({1, id.x, id.y}));
+    made.entry = page != of_band_1_.end() ? page->second.entry : ChildEntry{.lowest = kNothing, .highest = -kNothing};
     if (tile_.all_void) {
       made.entry = {};
       hold_voids(id, made.record);
@@ -299,29 +287,24 @@ class TileChecks {
     std::vector<std::uint64_t> by_code(kAlwaysSelected + 1u);
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
     const CodeSpan heights = view(tile_.heights);
-    for (std::int32_t row = std::max(square.first.row, window_.first.row);
-         row <= std::min(square.last.row, window_.last.row); ++row) {
-      for (std::int32_t col = std::max(square.first.col, window_.first.col);
-           col <= std::min(square.last.col, window_.last.col); ++col) {
-        const GridPoint p{col, row};
-        const std::size_t i = index(p);
-        if (valid_[i] != 0) {
-          ++made.valid_samples;
-          lowest = std::min(lowest, codes_[i]);
-          highest = std::max(highest, codes_[i]);
-        }
-        if (spacing(p) < kBlockSide) {
-          ++by_code[tile_.errors[p]];
-        } else {
-          const auto post = static_cast<std::size_t>((row - square.first.row) / kBlockSide * kTileBlocks +
-                                                     (col - square.first.col) / kBlockSide);
-          made.posts[post] = code_at(heights, i);
-          made.post_valid[post] = valid_[i];
-        }
+    for_each_point(common(square, window_), [&](GridPoint p) {
+      const std::size_t i = index(p);
+      if (valid_[i] != 0) {
+        ++made.valid_samples;
+        lowest = std::min(lowest, codes_[i]);
+        highest = std::max(highest, codes_[i]);
       }
-    }
+      if (spacing(p) < kBlockSide) {
+        ++by_code[tile_.errors[p]];
+      } else {
+        const auto post = static_cast<std::size_t>((p.row - square.first.row) / kBlockSide * kTileBlocks +
+                                                   (p.col - square.first.col) / kBlockSide);
+        made.posts[post] = code_at(heights, i);
+        made.post_valid[post] = valid_[i];
+      }
+    });
     if (made.valid_samples > 0) {
-      const HeightStep& step = rules_.manifest.description.step;
+      const HeightStep& step = rules_.description.step;
       made.lowest = std::min(step.value(lowest), step.value(highest));
       made.highest = std::max(step.value(lowest), step.value(highest));
     }
@@ -330,13 +313,6 @@ class TileChecks {
         made.errors[rung] += by_code[code];
     }
     return made;
-  }
-  /// The entry of a tile with data nearby, but without a page of band 1.
-  static ChildEntry entry_of_no_page() {
-    ChildEntry entry;
-    entry.lowest = std::numeric_limits<float>::infinity();
-    entry.highest = -entry.lowest;
-    return entry;
   }
 
   /// The record of a tile without data: all halves inside the extent are void, and no vertex has a fill.
@@ -367,32 +343,26 @@ class TileChecks {
   }
 
   /// The first difference of a record.
-  [[nodiscard]] std::string describe(TileId id, const TileSummary& said) {
+  [[nodiscard]] std::string difference_of(TileId id, const TileSummary& said) {
     compute(id, usual_kind());
     const TileSummary made = summary_of(id);
-    const auto sentence = [&](const std::string& what) {
-      return fmt::format("record of tile {}/{}: {}", id.x, id.y, what);
-    };
     for (std::size_t i = 0; i < TileSummary::kPosts; ++i) {
       if (is_same(said.posts[i], made.posts[i]) && said.post_valid[i] == made.post_valid[i]) continue;
-      return sentence(fmt::format("it has a height of {}, but the page has {}", said.posts[i], made.posts[i]));
+      return fmt::format("it has a height of {}, but the page has {}", said.posts[i], made.posts[i]);
     }
-    if (!(said.entry == made.entry)) return sentence("it contradicts the tile's page");
+    if (!(said.entry == made.entry)) return "it contradicts the tile's page";
     if (said.valid_samples != made.valid_samples)
-      return sentence(
-          fmt::format("it says {} valid samples, but there are {}", said.valid_samples, made.valid_samples));
+      return fmt::format("it says {} valid samples, but there are {}", said.valid_samples, made.valid_samples);
     if (said.lowest != made.lowest || said.highest != made.highest)
-      return sentence(fmt::format("it says heights from {} to {}, but they are from {} to {}", said.lowest,
-                                  said.highest, made.lowest, made.highest));
-    if (said.errors != made.errors) return sentence("its counts of errors differ from those of the tile's pages");
-    return sentence("it does not follow from the tile's samples");
+      return fmt::format("it says heights from {} to {}, but they are from {} to {}", said.lowest, said.highest,
+                         made.lowest, made.highest);
+    if (said.errors != made.errors) return "its counts of errors differ from those of the tile's pages";
+    return "it does not follow from the tile's samples";
   }
 
   /// Checks a record if not all samples were kept: only against the pages.
   void check_kept(TileId id, const TileSummary& said) {
-    const auto refuse = [&](const std::string& what) {
-      findings_.in(place_of(id, rules_.extent), fmt::format("record of tile {}/{}: {}", id.x, id.y, what));
-    };
+    const auto refuse = [&](const std::string& what) { find_in_record(id, what); };
     const auto page = of_band_1_.find(curve_position({1, id.x, id.y}));
     const bool is_stored = page != of_band_1_.end();
     if (is_stored && !page->second.is_readable) return;
@@ -405,14 +375,7 @@ class TileChecks {
     }
     const GridRect square = square_of(id);
     std::uint64_t valid = 0;
-    if (!is_empty(window_)) {
-      for (std::int32_t row = std::max(square.first.row, window_.first.row);
-           row <= std::min(square.last.row, window_.last.row); ++row) {
-        for (std::int32_t col = std::max(square.first.col, window_.first.col);
-             col <= std::min(square.last.col, window_.last.col); ++col)
-          valid += valid_[index({col, row})];
-      }
-    }
+    for_each_point(common(square, window_), [&](GridPoint p) { valid += valid_[index(p)]; });
     if (valid != said.valid_samples)
       return refuse(fmt::format("it says {} valid samples, but there are {}", said.valid_samples, valid));
     check_kept_counts(id, said, refuse);
@@ -424,18 +387,12 @@ class TileChecks {
       const DecodedPages::Found found = decoded_.get(page_id);
       if (!found.page) return !found.is_damaged();
       const Page& page = *found.page;
-      for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-        for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-          if (page.is_own(page.grid.at(col, row))) ++by_code[page.error(page.index(col, row), rules_.distance)];
-        }
-      }
+      for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+        if (page.is_own(p)) ++by_code[page.error(i, rules_.distance)];
+      });
       return true;
     };
-    const PageId parent{1, id.x, id.y};
-    bool is_whole = count(parent);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
-      is_whole = count(child_page(parent, i)) && is_whole;
-    if (!is_whole) return;
+    if (!all_pages_of(id, count)) return;
     for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
       const ErrorCode within = largest_code_within(error_rung(rung));
       if (within < *rules_.dropped) continue;
@@ -446,7 +403,7 @@ class TileChecks {
   }
 
   const StoredPages& pages_;
-  Rules rules_;
+  Rules rules_{pages_.manifest()};
   DecodedPages& decoded_;
   const CheckedPages& of_band_1_;
   Findings& findings_;
@@ -482,9 +439,9 @@ TileTotals check_tiles(const StoredPages& pages, DecodedPages& decoded, const Ch
 std::uint64_t tiles_in(GridRect extent) { return static_cast<std::uint64_t>(tiles_of(extent).samples()); }
 
 void check_coarse(const StoredPages& pages, DecodedPages& decoded, Findings& findings) {
-  const Rules rules(pages.manifest());
+  const Rules rules{pages.manifest()};
   const ReadTxn& txn = pages.transaction();
-  CoarseLevels levels(rules.extent, rules.distance, rules.side(), rules.manifest.description.void_weight, rules.rule());
+  CoarseLevels levels(rules.extent, rules.distance, rules.side(), rules.description.void_weight, rules.rule());
   const ForEachTile tiles = [&](const auto& visit) {
     txn.for_each(kRecordTable, [&](std::uint64_t position) {
       const PageId id = page_at(1, position);

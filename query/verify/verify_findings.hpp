@@ -1,6 +1,8 @@
 #pragma once
 // Collects the findings of verify and their places.
 
+#include <bit>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <tuple>
@@ -36,5 +38,9 @@ class Findings {
 };
 
 [[nodiscard]] std::string name_of(PageId id);
+/// Bit for bit.
+[[nodiscard]] inline bool is_same(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 
 }  // namespace talus

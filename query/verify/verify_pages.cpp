@@ -1,7 +1,6 @@
 #include "query/verify/verify_pages.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 #include <vector>
 
@@ -14,15 +13,7 @@ class PageChecks {
  public:
   PageChecks(const StoredPages& pages, DecodedPages& decoded, Findings& findings, VerifyReport& report,
              const std::function<void()>& told)
-      : pages_(pages),
-        manifest_(pages.manifest()),
-        extent_(manifest_.description.extent),
-        drops_(manifest_.description.kept_above() > 0),
-        dropped_(drops_ ? largest_code_within(manifest_.description.kept_above()) : ErrorCode{0}),
-        decoded_(decoded),
-        findings_(findings),
-        report_(report),
-        told_(told) {}
+      : pages_(pages), decoded_(decoded), findings_(findings), report_(report), told_(told) {}
 
   CheckedPages run() {
     CheckedPages of_band_1;
@@ -83,15 +74,11 @@ class PageChecks {
   void check_own(const Page& page) {
     if (page.drops_heights && !drops_)
       findings_.in(page.id, "heights were left out, but the header says that all were kept");
-    bool is_found = false;
-    for (std::int32_t row = 0; row < page.grid.rows && !is_found; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols && !is_found; ++col) {
-        const GridPoint p = page.grid.at(col, row);
-        if (!page.is_own(p) || spacing(p) == kRootSpacing) continue;
-        const ErrorCode own = page.error(page.index(col, row), pages_.distance());
-        if (own > dropped_) is_found = !are_parents_above(page, p, own);
-      }
-    }
+    any_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      if (!page.is_own(p) || spacing(p) == kRootSpacing) return false;
+      const ErrorCode own = page.error(i, pages_.distance());
+      return own > dropped_ && !are_parents_above(page, p, own);
+    });
   }
 
   [[nodiscard]] bool are_parents_above(const Page& page, GridPoint p, ErrorCode own) {
@@ -106,7 +93,7 @@ class PageChecks {
         other = found.page;
         there = other.get();
       }
-      const ErrorCode above = there == nullptr ? ErrorCode{0} : error_at(*there, parent);
+      const ErrorCode above = there == nullptr ? ErrorCode{0} : there->error(there->index(parent), pages_.distance());
       if (above >= own) continue;
       findings_.in(page_square(id),
                    fmt::format("{}: the error at column {}, row {} is {} m, which is below the {} m of a vertex in {} "
@@ -116,9 +103,6 @@ class PageChecks {
     }
     return true;
   }
-  [[nodiscard]] ErrorCode error_at(const Page& page, GridPoint p) const {
-    return page.error(page.index(p), pages_.distance());
-  }
 
   /// Compares the samples that the page above has, too.
   void check_against_above(const Page& page) {
@@ -126,39 +110,28 @@ class PageChecks {
     const DecodedPages::Found found = decoded_.get(parent_page(page.id));
     if (!found.page) return;  // already reported
     const Page& above = *found.page;
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        const GridPoint p = page.grid.at(col, row);
-        if (page.is_own(p)) continue;
-        const std::size_t here = page.index(col, row);
-        const auto [above_col, above_row] = above.grid.local(p);
-        const std::size_t there = above.index(above_col, above_row);
-        const bool is_data = page.valid.empty() || page.valid[here] != 0;
-        const bool is_data_above = above.valid.empty() || above.valid[there] != 0;
-        if (is_data == is_data_above &&
-            (!is_data || above.is_dropped(above_col, above_row) ||
-             std::bit_cast<std::uint64_t>(page.heights[here]) == std::bit_cast<std::uint64_t>(above.heights[there])))
-          continue;
-        const HeightStep& step = manifest_.description.step;
-        const auto text = [&](bool is_sample, double code) {
-          return is_sample ? fmt::format("{}", step.value(code)) : std::string("void");
-        };
-        return findings_.in(page.id, fmt::format("the sample at column {}, row {} is {}, but {} says {}", p.col, p.row,
-                                                 text(is_data, page.heights[here]), name_of(above.id),
-                                                 text(is_data_above, above.heights[there])));
-      }
-    }
+    any_sample(page.grid, [&](std::size_t here, GridPoint p) {
+      if (page.is_own(p)) return false;
+      const std::size_t there = above.index(p);
+      const bool is_data = page.is_data(here), is_data_above = above.is_data(there);
+      if (is_data == is_data_above &&
+          (!is_data || above.is_dropped(there, p) || is_same(page.heights[here], above.heights[there])))
+        return false;
+      const auto text = [&](const Page& of, std::size_t i) {
+        return of.is_data(i) ? fmt::format("{}", manifest_.description.step.value(of.heights[i])) : std::string("void");
+      };
+      findings_.in(page.id, fmt::format("the sample at column {}, row {} is {}, but {} says {}", p.col, p.row,
+                                        text(page, here), name_of(above.id), text(above, there)));
+      return true;
+    });
   }
 
   /// The entry that the page above should have of this one. Also checks the page's own entries of pages below.
   [[nodiscard]] ChildEntry with_children(const Page& page) {
     ChildEntry entry = range_of(page, manifest_.description.step);
-    for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-      for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-        if (page.is_own(page.grid.at(col, row)))
-          entry.largest = std::max(entry.largest, page.error(page.index(col, row), pages_.distance()));
-      }
-    }
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      if (page.is_own(p)) entry.largest = std::max(entry.largest, page.error(i, pages_.distance()));
+    });
     for (std::size_t i = 0; i < page.children.size(); ++i) {
       const PageId below = child_page(page.id, i);
       const auto found = below_.find(curve_position(below));
@@ -195,9 +168,7 @@ class PageChecks {
 
   [[nodiscard]] static bool has_data_in(const Page& page, GridRect square) {
     bool any = false;
-    for_each_in(page.grid, square, [&](std::int32_t col, std::int32_t row) {
-      any = any || page.valid.empty() || page.valid[page.index(col, row)] != 0;
-    });
+    for_each_in(page.grid, square, [&](std::size_t i, GridPoint) { any = any || page.is_data(i); });
     return any;
   }
 
@@ -222,10 +193,11 @@ class PageChecks {
   }
 
   const StoredPages& pages_;
-  const Manifest& manifest_;
-  GridRect extent_;
-  bool drops_;         ///< whether not all samples were kept
-  ErrorCode dropped_;  ///< pages may store errors up to this one as 0
+  const Manifest& manifest_ = pages_.manifest();
+  GridRect extent_ = manifest_.description.extent;
+  bool drops_ = manifest_.description.kept_above() > 0;  ///< whether not all samples were kept
+  /// Pages may store errors up to this one as 0.
+  ErrorCode dropped_ = drops_ ? largest_code_within(manifest_.description.kept_above()) : ErrorCode{0};
   DecodedPages& decoded_;
   Findings& findings_;
   VerifyReport& report_;

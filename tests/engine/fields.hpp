@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/quadtree/rect.hpp"
 #include "engine/tile/tile.hpp"
 #include "tests/support/surfaces.hpp"
 
@@ -108,14 +109,6 @@ void for_each_vertex(const LevelGrid<Value>& grid, Visit&& visit) {
     grid.for_each(shift, true, visit);
   }
 }
-
-template <class Visit>
-void for_each_point(GridRect rect, Visit&& visit) {
-  for (std::int32_t row = rect.first.row; row <= rect.last.row; ++row) {
-    for (std::int32_t col = rect.first.col; col <= rect.last.col; ++col) visit(GridPoint{col, row});
-  }
-}
-
 inline std::string name_of(GridPoint p) { return "(" + std::to_string(p.col) + ", " + std::to_string(p.row) + ")"; }
 
 }  // namespace talus::support

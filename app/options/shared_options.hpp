@@ -1,12 +1,16 @@
 #pragma once
-// Options for .rqt files, and for the heights and the border of an answer.
+// Options that several commands have.
 
 #include "app/options/command.hpp"
+#include "talus/ingest.hpp"
 #include "talus/question.hpp"
 #include "talus/stream.hpp"
 
 namespace talus::app {
 
+/// For reading rasters.
+void add_input_options(Command& command, InputOptions& inputs);
+/// For .rqt files.
 void add_stream_options(Command& command, StreamOptions& options);
 void add_height_options(Command& command, Heights& heights);
 void add_border_option(Command& command, Border& border);
