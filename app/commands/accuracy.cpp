@@ -112,7 +112,7 @@ void add_accuracy(CLI::App& program, Action& action) {
   command.group("Most used");
   command.option("--tolerances", options.tolerances, kTolerances, "M,M,...",
                  "Tolerances to measure, in metres. Default: 1, 2, 5, 10 ... over the errors in the database");
-  command.option("--time", options.budget_seconds, kSeconds, "T",
+  command.option("--time", options.limit_seconds, kSeconds, "T",
                  "Recommend the smallest tolerance that answers within this time, such as 10ms or 0.5s. Default: "
                  "recommend a tolerance in the middle");
   command.files("-o,--output", request->outputs, "OUT",

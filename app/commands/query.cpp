@@ -203,7 +203,7 @@ Exit run(Request& request) {
   }
   const Answer answer = now.ask(question);
   const bool by_raster = !request.tolerance_raster.empty();
-  const Metres tolerance = by_raster        ? Metres{question.field->least(question.region)}
+  const Metres tolerance = by_raster        ? question.field->least(question.region)
                            : question.field ? question.tolerance
                                             : answer.quadtree.tolerance;
   if (!request.tolerance && !by_raster) stages.add_search(answer.search);

@@ -87,7 +87,7 @@ bool is_within_bound(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
   if (!tolerance || !report.true_error) return true;
   const Description& d = checked.description;
-  const Metres promised{std::max({tolerance->value, d.lossy_metres, d.finest_tolerance})};
+  const Metres promised{std::max({tolerance->value, d.lossy.value, d.finest_tolerance.value})};
   // Cells in degrees are measured in two ways, which differ by a millionth.
   return report.perpendicular_error ? is_within(*report.perpendicular_error, promised, 1e-6)
                                     : is_within(*report.true_error, promised, 1e-12);

@@ -63,8 +63,8 @@ class Command {
     });
   }
   /// One of several names; the first is the one that holds without the option.
-  template <class T>
-  CLI::Option* choice(const char* names, T& value, Names<T> choices, const char* text) {
+  template <class T, class Value>
+  CLI::Option* choice(const char* names, Value& value, Names<T> choices, const char* text) {
     return function(names, "WORD", text,
                     [=, &value](const std::string& typed) { value = named(choices, names, typed); });
   }

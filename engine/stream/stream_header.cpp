@@ -37,10 +37,10 @@ enum Flags : std::uint32_t {
 template <class Header, class Visit>
 void for_each_number(Header& h, Visit&& visit) {
   auto& d = h.description;
-  for (auto* v :
-       {&h.from.value, &h.quadtree.tolerance.value, &h.quadtree.bound.value, &d.mapping.x0, &d.mapping.y0,
-        &d.mapping.dx, &d.mapping.dy, &d.step.scale, &d.step.divisor, &d.step.offset, &d.metres_per_unit, &d.minimum,
-        &d.maximum, &d.void_weight, &d.lossy_metres, &d.finest_tolerance, &h.quadtree.origin.quantum.value})
+  for (auto* v : {&h.from.value, &h.quadtree.tolerance.value, &h.quadtree.bound.value, &d.mapping.x0, &d.mapping.y0,
+                  &d.mapping.dx, &d.mapping.dy, &d.step.scale, &d.step.divisor, &d.step.offset, &d.metres_per_unit,
+                  &d.minimum_height, &d.maximum_height, &d.void_weight, &d.lossy.value, &d.finest_tolerance.value,
+                  &h.quadtree.origin.quantum.value})
     visit(*v);
 }
 
@@ -63,19 +63,19 @@ void require_plausible(const StreamTaker& in, const StreamHeader& h) {
   if (q.origin.border == Border::constrain && !(h.window == q.region))
     in.refuse("a window beyond a constrained border");
   for (const double v : {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor,
-                         d.step.offset, d.metres_per_unit, d.minimum, d.maximum, d.void_weight, d.lossy_metres,
-                         d.finest_tolerance, q.origin.quantum.value}) {
+                         d.step.offset, d.metres_per_unit, d.minimum_height, d.maximum_height, d.void_weight,
+                         d.lossy.value, d.finest_tolerance.value, q.origin.quantum.value}) {
     if (!std::isfinite(v)) in.refuse("a number that is none");
   }
   for (const GridPoint corner : {e.first, e.last}) {
     if (!std::isfinite(d.mapping.x(corner.col)) || !std::isfinite(d.mapping.y(corner.row)))
       in.refuse("samples beyond all numbers");
   }
-  if (d.minimum > d.maximum) in.refuse("a lowest height above the highest");
+  if (d.minimum_height > d.maximum_height) in.refuse("a lowest height above the highest");
   if (!h.is_increment && h.base != 0) in.refuse("an answer with the digest of a base");
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) in.refuse("impossible grid mapping");
-  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0 || d.lossy_metres < 0 ||
-      d.finest_tolerance < 0 || q.origin.quantum.value < 0)
+  if (d.step.scale == 0 || d.step.divisor <= 0 || d.metres_per_unit <= 0 || d.void_weight < 0 || d.lossy.value < 0 ||
+      d.finest_tolerance.value < 0 || q.origin.quantum.value < 0)
     in.refuse("impossible height step, unit, weight, loss or quantum");
   if ((h.kind == CodeKind::quanta) != (q.origin.quantum.value > 0))
     in.refuse("a quantum that does not fit the heights' code");

@@ -43,7 +43,7 @@ constexpr double kMostNarrow = 1 << 30;
 double tolerance_in_codes(CodeKind kind, const Description& d, const HeightStep& step, Metres tolerance) {
   if (kind == CodeKind::whole || kind == CodeKind::quanta)
     return tolerance.value / d.metres_per_unit / std::abs(step.scale) * step.divisor;
-  const double largest = std::max({std::abs(d.minimum), std::abs(d.maximum), 1e-30});
+  const double largest = std::max({std::abs(d.minimum_height), std::abs(d.maximum_height), 1e-30});
   return std::ldexp(tolerance.value / d.metres_per_unit, (kind == CodeKind::floats ? 23 : 52) - std::ilogb(largest));
 }
 

@@ -63,7 +63,7 @@ class Splitter {
         samples_(samples_for(question, fits_)),
         region_(question.region),
         root_(root_side(description_.extent)),
-        limit_((question.tolerance.value - description_.lossy_metres) / description_.metres_per_unit),
+        limit_((question.tolerance.value - description_.lossy.value) / description_.metres_per_unit),
         finest_(exact_answer(
             question, fits_ ? Metres{0} : Metres{question.tolerance.value - rounding_of(description_, quantum)})),
         rounded_(description_, quantum),
@@ -372,7 +372,7 @@ class Splitter {
     const double unit = description_.metres_per_unit;
     const bool rounds =
         !CodeDistance(description_.step, unit).is_binary() || !description_.step.integer || !rounded_.is_exact();
-    q.bound = Metres{farthest_ * unit + description_.lossy_metres + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
+    q.bound = Metres{farthest_ * unit + description_.lossy.value + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
     q.origin = f.origin;
     q.origin.is_plain = false;
     // Without finer levels, each triangle is one that was checked, or one without a midpoint.

@@ -5,8 +5,8 @@ namespace talus {
 KeptHeights::KeptHeights(const StoredPages& pages, QueryCost& cost)
     : pages_(pages),
       cost_(cost),
-      all_kept_(pages.manifest().description.kept_above() == 0),
-      largest_dropped_(largest_code_within(pages.manifest().description.kept_above())),
+      all_kept_(pages.manifest().description.kept_above().value == 0),
+      largest_dropped_(largest_code_within(pages.manifest().description.kept_above().value)),
       bands_(static_cast<std::size_t>(pages.manifest().bands)) {}
 
 const Page* KeptHeights::page_with(GridPoint p) {

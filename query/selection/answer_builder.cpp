@@ -27,7 +27,7 @@ void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) 
 bool AnswerBuilder::is_height(double code) const {
   const Description& d = pages_.manifest().description;
   const double height = d.step.value(code);
-  return height >= d.minimum && height <= d.maximum;
+  return height >= d.minimum_height && height <= d.maximum_height;
 }
 
 RestrictedQuadtree AnswerBuilder::quadtree(GridRect region, VertexMask vertices) const {

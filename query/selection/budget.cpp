@@ -145,7 +145,7 @@ class Fitting {
 
   /// The tolerance on the ladder, with what stored heights may be off; rounding must not take a code away from it.
   [[nodiscard]] Metres tolerance_of(ErrorCode code) const {
-    const double lossy = pages_.manifest().description.lossy_metres;
+    const double lossy = pages_.manifest().description.lossy.value;
     double tolerance = error_of(code) + lossy;
     while (largest_code_within(tolerance - lossy) < code)
       tolerance = std::nextafter(tolerance, std::numeric_limits<double>::infinity());

@@ -40,11 +40,11 @@ class CellTolerance final : public ToleranceField {
     while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(above(levels_.back()));
   }
 
-  [[nodiscard]] double at(GridPoint p) const override { return least({p, p}); }
+  [[nodiscard]] Metres at(GridPoint p) const override { return least({p, p}); }
   /// Exact. Costs in proportion to the outline of the rectangle, in cells.
-  [[nodiscard]] double least(GridRect r) const override {
+  [[nodiscard]] Metres least(GridRect r) const override {
     r = common(r, region_);
-    if (is_empty(r)) return kNone;
+    if (is_empty(r)) return Metres{kNone};
     const Cells wanted{cell(cols_, r.first.col, region_.first.col), cell(rows_, r.first.row, region_.first.row),
                        cell(cols_, r.last.col, region_.first.col), cell(rows_, r.last.row, region_.first.row)};
     // Two by two of these hold the rectangle.
@@ -54,7 +54,7 @@ class CellTolerance final : public ToleranceField {
     for (std::size_t y = wanted.top >> level; y <= wanted.bottom >> level; ++y) {
       for (std::size_t x = wanted.left >> level; x <= wanted.right >> level; ++x) take(level, x, y, wanted, least);
     }
-    return least;
+    return Metres{least};
   }
 
  private:

@@ -39,7 +39,7 @@ class RangeQuery {
         manifest_(pages.manifest()),
         region_(region),
         asked_(tolerance.value),
-        lossy_(manifest_.description.lossy_metres),
+        lossy_(manifest_.description.lossy.value),
         tolerance_(left_of(tolerance)),
         threads_(region.samples() < kWorthThreads ? 1 : std::max(1, threads)),
         keeps_pages_(pages.would_keep(region)),
@@ -112,7 +112,7 @@ class RangeQuery {
 
   /// What stored heights leave of a tolerance.
   [[nodiscard]] double left_of(Metres asked) const {
-    return std::max(manifest_.description.kept_above(), asked.value - lossy_);
+    return std::max(manifest_.description.kept_above().value, asked.value - lossy_);
   }
 
   Answer answer(std::chrono::steady_clock::time_point started) {
@@ -350,7 +350,7 @@ Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, 
 }
 
 SampleWindow all_samples(const StoredPages& pages, GridRect region, Watch& watch) {
-  if (const double finest = pages.manifest().description.finest_tolerance; finest > 0) {
+  if (const double finest = pages.manifest().description.finest_tolerance.value; finest > 0) {
     throw Failure(Cause::unsupported,
                   fmt::format("the database keeps only the vertices of answers at {} m and more: it cannot restore "
                               "samples; ask for a surface at that tolerance",
@@ -366,7 +366,7 @@ StoredSamples stored_samples(const StoredPages& pages, GridRect region, Watch& w
   window.region = region;
   window.values.assign(static_cast<std::size_t>(region.samples()), 0);
   window.valid.assign(window.values.size(), 0);
-  if (pages.manifest().description.finest_tolerance > 0) stored.dropped.assign(window.values.size(), 0);
+  if (pages.manifest().description.finest_tolerance.value > 0) stored.dropped.assign(window.values.size(), 0);
   const HeightStep& step = pages.manifest().description.step;
   QueryCost unused;
   PageDecoder decoder;

@@ -23,16 +23,16 @@ class FocusTolerance final : public ToleranceField {
   FocusTolerance(double col, double row, double metres_per_col, double metres_per_row, double growth, double at_focus)
       : col_(col), row_(row), right_(metres_per_col), down_(metres_per_row), growth_(growth), at_focus_(at_focus) {}
 
-  [[nodiscard]] double at(GridPoint p) const override { return of(p.col - col_, p.row - row_); }
+  [[nodiscard]] Metres at(GridPoint p) const override { return of(p.col - col_, p.row - row_); }
   /// Of the rectangle's nearest point, on a sample or not.
-  [[nodiscard]] double least(GridRect r) const override {
+  [[nodiscard]] Metres least(GridRect r) const override {
     return of(std::clamp(col_, double(r.first.col), double(r.last.col)) - col_,
               std::clamp(row_, double(r.first.row), double(r.last.row)) - row_);
   }
 
  private:
-  [[nodiscard]] double of(double cols, double rows) const {
-    return at_focus_ + growth_ * std::hypot(cols * right_, rows * down_);
+  [[nodiscard]] Metres of(double cols, double rows) const {
+    return Metres{at_focus_ + growth_ * std::hypot(cols * right_, rows * down_)};
   }
   double col_, row_, right_, down_, growth_, at_focus_;
 };

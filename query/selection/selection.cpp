@@ -28,8 +28,8 @@ class Selection {
         watch_(watch),
         extent_(pages.manifest().description.extent),
         root_(root_side(extent_)),
-        kept_above_(pages.manifest().description.kept_above()),
-        lossy_(pages.manifest().description.lossy_metres),
+        kept_above_(pages.manifest().description.kept_above().value),
+        lossy_(pages.manifest().description.lossy.value),
         above_(std::max(kept_above_, question.tolerance.value - lossy_), pages.distance()),
         finest_height_(std::max(0, finest_level(extent_) - question.max_level.value_or(finest_level(extent_)))),
         cost_(pages.cost_of_header()),
@@ -151,7 +151,7 @@ class Selection {
     return error_of(entry.largest) > limit_in(square);
   }
   [[nodiscard]] double limit_in(GridRect rect) const {
-    return std::max(kept_above_, question_.field->least(common(rect, extent_)) - lossy_);
+    return std::max(kept_above_, question_.field->least(common(rect, extent_)).value - lossy_);
   }
   [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
     if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;

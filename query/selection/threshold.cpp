@@ -34,10 +34,10 @@ std::int32_t largest_eighths_within(double largest_distance) {
 
 double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
   const Description& d = pages.manifest().description;
-  double metres = std::max(error_of(absent.code), d.kept_above());
+  double metres = std::max(error_of(absent.code), d.kept_above().value);
   if (absent.distance >= 0) metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
-  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
-  return metres + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);
+  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance.value == 0;
+  return metres + d.lossy.value + (heights_are_exact ? 0 : kDecimalRounding);
 }
 
 }  // namespace

@@ -39,8 +39,9 @@ struct Rules {
         extent(m.description.extent),
         distance(m.description.step, m.description.metres_per_unit),
         ground(Ground(m.description.crs).scale_of(m.description.mapping, extent)),
-        dropped(m.description.kept_above() > 0 ? std::optional(largest_code_within(m.description.kept_above()))
-                                               : std::nullopt) {}
+        dropped(m.description.kept_above().value > 0
+                    ? std::optional(largest_code_within(m.description.kept_above().value))
+                    : std::nullopt) {}
 
   [[nodiscard]] GroundSide side() const {
     return [this](const HalfDiamond& t) { return ground.longest_side(t.a, t.b, t.apex).value; };
