@@ -133,7 +133,7 @@ class Plain {
     return known_[p] = largest;
   }
 
- private:
+  /// Of one half alone.
   [[nodiscard]] double own(GridPoint vertex, std::size_t side) const {
     const Diamond d = diamond(vertex);
     const GridPoint a = d.ends[0], b = d.ends[1], apex = d.apexes[side];
@@ -157,6 +157,8 @@ class Plain {
     }
     return static_cast<double>(largest) / static_cast<double>(area);
   }
+
+ private:
   const Ground& ground_;
   LevelGrid<double> known_;  ///< -1: not known yet
 };
@@ -196,21 +198,24 @@ TEST(CoarseLevels, ErrorsAreTheLargestDistancesOfAllThatHangsBelow) {
   expect_plain_errors(ground(plateaus(1300, 300), {-600, -200}));
 }
 
-TEST(CoarseLevels, TheOneSampleThatIsOffIsFoundInATriangleLargerThanATile) {
+TEST(CoarseLevels, ATriangleLargerThanATileIsMeasuredOverAllItsSamples) {
+  // A hill as wide as the triangle: no vertex below is as far off. Its roughness makes blocks promise too much.
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    Ground g = ground(plane(2081, 1047, 5, 1, -2), {-20, -12});
-    GridPoint off{};  // in the triangle below (1024, 0)
-    do {
-      off = {random.between(1, 2047), random.between(1, 1023)};
-    } while (std::abs(off.col - 1024) + off.row >= 1024 || (off.col | off.row) % 64 == 0);
-    g.heights[g.index(off)] = static_cast<std::int16_t>(g.heights[g.index(off)] + 3);
+    const Ground g = ground(surface(2081, 1047,
+                                    [&](int col, int row) {
+                                      const double x = col - 1044, y = row - 412;
+                                      return 3000 - (x * x + y * y) / 400 + random.between(-100, 100);
+                                    }),
+                            {-20, -12});
     Tiles tiles(g);
     CoarseLevels levels(g.extent, {}, side_of, 1);
     levels.settle(tiles.all(), tiles.pages());
     EXPECT_GT(levels.pages_read_back(), 0u);
-    EXPECT_EQ(levels.error({1024, 0}), error_code(3)) << name_of(off);
+    const double own = Plain(g).own({1024, 0}, diamond({1024, 0}).apexes[0].row > 0 ? 0 : 1);
+    EXPECT_EQ(levels.error({1024, 0}), error_code(own)) << own << " m";
+    EXPECT_LT(levels.error({1536, 512}), levels.error({1024, 0}));
   }
 }
 
@@ -297,8 +302,9 @@ TEST(CoarseLevels, NoErrorIsBelowThatOfAVertexBelowNorBelowTheSideOfAMixedTriang
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    const Ground g =
-        ground(void_blobs(fractal(1300, 500, seed), 8, seed), {random.between(-1000, 0), random.between(-400, 0)});
+    const Ground g = seed == 1 ? ground(void_blobs(fractal(2081, 1047, seed), 8, seed), {-20, -12})
+                               : ground(void_blobs(fractal(1300, 500, seed), 8, seed),
+                                        {random.between(-1000, 0), random.between(-400, 0)});
     Tiles tiles(g);
     CoarseLevels levels(g.extent, {}, side_of, 1);
     levels.settle(tiles.all(), tiles.pages());
