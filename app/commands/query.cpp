@@ -246,8 +246,10 @@ Exit run(Request& request) {
   table.add("mesh", mesh_text(mesh.size(), mesh.triangles.size()));
   if (question.heights.kind != HeightKind::exact)
     table.add("heights", fmt::format("multiples of {} m", answer.quadtree.origin.quantum.value));
-  table.add("border",
-            fmt::format("{} extra vertices, so that neighbouring rectangles meet", counted(answer.border_vertices)));
+  table.add("border", question.border == Border::constrain
+                          ? fmt::format("{} extra vertices, so that neighbouring rectangles meet",
+                                        counted(answer.border_vertices))
+                          : name_of(question.border));
   if (!neighbours.empty())
     table.add("match", fmt::format("{} extra vertices to meet the neighbours", counted(answer.matching_vertices)));
   if (!request.places.is_empty()) {
