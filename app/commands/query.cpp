@@ -141,7 +141,7 @@ void conclude(Table& table, const Request& request, const QueryCost& cost, doubl
 
 /// query --from
 Exit write_increment(const Request& request, const Snapshot& now, const Question& question) {
-  for (const std::string& output : request.outputs) require_ending(output, {".rqt"});
+  for (const std::string& output : request.outputs) require_ending(output, "an increment (--from)", {".rqt"});
   const Description& description = now.description();
   Answer answer = now.ask(question);
   Stages stages;
