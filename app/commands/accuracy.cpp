@@ -36,7 +36,7 @@ bool is_page(const std::string& output) { return output.ends_with(".html") || ou
 
 /// Refuses before the work what would fail after it.
 void check_output(const std::string& output, const Request& request) {
-  require_ending(output, {".html", ".htm", ".svg"});
+  require_ending(output, "a report", {".html", ".htm", ".svg"});
   require_no_input(output, {request.database});
   require_no_input(output, request.against);
   const HoldInterrupts nothing_left_behind;

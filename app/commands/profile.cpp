@@ -41,7 +41,7 @@ Json parts_of(const Profile& profile) {
 
 Exit run(Request& request) {
   if (!request.output.empty()) {
-    require_ending(request.output, {".csv"});
+    require_ending(request.output, "a profile", {".csv"});
     require_no_input(request.output, {request.database});
   }
   const Snapshot now = open_database(request.database).snapshot();

@@ -141,7 +141,7 @@ void conclude(Table& table, const Request& request, const QueryCost& cost, doubl
 
 /// query --from
 Exit write_increment(const Request& request, const Snapshot& now, const Question& question) {
-  for (const std::string& output : request.outputs) require_ending(output, {".rqt"});
+  for (const std::string& output : request.outputs) require_ending(output, "an increment (--from)", {".rqt"});
   const Description& description = now.description();
   Answer answer = now.ask(question);
   Stages stages;
@@ -246,8 +246,10 @@ Exit run(Request& request) {
   table.add("mesh", mesh_text(mesh.size(), mesh.triangles.size()));
   if (question.heights.kind != HeightKind::exact)
     table.add("heights", fmt::format("multiples of {} m", answer.quadtree.origin.quantum.value));
-  table.add("border",
-            fmt::format("{} extra vertices, so that neighbouring rectangles meet", counted(answer.border_vertices)));
+  table.add("border", question.border == Border::constrain
+                          ? fmt::format("{} extra vertices, so that neighbouring rectangles meet",
+                                        counted(answer.border_vertices))
+                          : name_of(question.border));
   if (!neighbours.empty())
     table.add("match", fmt::format("{} extra vertices to meet the neighbours", counted(answer.matching_vertices)));
   if (!request.places.is_empty()) {

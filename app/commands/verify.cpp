@@ -73,7 +73,7 @@ std::string advice(const Checked& checked) {
   const std::string restore = "restore the file from a backup, or " + again;
   if (!checked.report.is_rest_usable) return "do not use it; " + restore;
   return (checked.report.damaged.empty() ? "answers are right, but the file has changed since it was made; "
-                                         : "answers outside the damaged rectangles are right; ") +
+                                         : "answers that read nothing from the damaged rectangles are right; ") +
          restore;
 }
 
