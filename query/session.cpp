@@ -88,8 +88,8 @@ RestrictedQuadtree apply(const RestrictedQuadtree& client, const Difference& dif
       client.tolerance != difference.added.from) {
     throw Failure(
         Cause::invalid_argument,
-        fmt::format("the difference goes on from another answer, at {} m, than the client has, at {} m: ask for one "
-                    "that starts over",
+        fmt::format("the difference continues an answer at {} m, and the client has another one, at {} m: ask for a "
+                    "difference that starts over",
                     difference.added.from.value, client.tolerance.value));
   }
   return difference.is_increment ? merge(client, difference.added) : united(client, difference.removed, added);
