@@ -4,7 +4,7 @@
 #include "app/files/named_files.hpp"
 #include "app/options/answer_options.hpp"
 #include "app/options/outputs.hpp"
-#include "app/options/places.hpp"
+#include "app/options/required_points.hpp"
 #include "app/terminal/explain.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "app/terminal/report.hpp"

@@ -1,5 +1,6 @@
 #pragma once
-// A subcommand as it is put together.
+// A subcommand as it is put together. Options of many commands (DATABASE, --bbox, --threads, --json) are methods here;
+// app/options/arguments reads the values.
 
 #include <cstdint>
 #include <functional>

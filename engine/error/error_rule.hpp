@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "engine/error/height_field.hpp"
-#include "engine/geo/geodesy.hpp"
+#include "engine/geo/ground_scale.hpp"
 #include "engine/quadtree/half_diamond.hpp"
 #include "talus/description.hpp"
 

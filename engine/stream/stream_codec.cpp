@@ -16,9 +16,9 @@
 
 #include "engine/quadtree/grid.hpp"
 #include "engine/quadtree/merge.hpp"
+#include "engine/stream/height_codes.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "engine/stream/stream_header.hpp"
-#include "engine/stream/stream_heights.hpp"
 #include "engine/stream/stream_levels.hpp"
 #include "talus/failure.hpp"
 

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "engine/stream/height_codes.hpp"
 #include "engine/stream/level_symbols.hpp"
 #include "engine/stream/level_walk.hpp"
 #include "engine/stream/stream_covers.hpp"
-#include "engine/stream/stream_heights.hpp"
 
 namespace talus {
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "talus/failure.hpp"
+#include "talus/question.hpp"
 
 namespace talus {
 namespace {
@@ -54,6 +55,20 @@ PlacedRectangle placed(const Rectangle& asked, const Description& d, const Longi
   found.is_cut = left < e.first.col - kCell || right > e.last.col + kCell || top < e.first.row - kCell ||
                  bottom > e.last.row + kCell;
   return found;
+}
+
+GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {
+  if (samples < 1)
+    throw Failure(Cause::invalid_argument, fmt::format("snap to multiples of {} samples: expected 1 or more", samples));
+  const auto down = [&](std::int64_t v) { return v - ((v % samples) + samples) % samples; };
+  const auto up = [&](std::int64_t v) { return -down(-v); };
+  const auto within = [](std::int64_t v, std::int32_t first, std::int32_t last) {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, first, last));
+  };
+  return {{within(down(region.first.col), extent.first.col, extent.last.col),
+           within(down(region.first.row), extent.first.row, extent.last.row)},
+          {within(up(region.last.col), extent.first.col, extent.last.col),
+           within(up(region.last.row), extent.first.row, extent.last.row)}};
 }
 
 }  // namespace talus

@@ -1,12 +1,10 @@
 #include "query/selection/refusals.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 
 #include <fmt/format.h>
 
-#include "engine/geo/ground.hpp"
-#include "engine/geo/longitude.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "query/pages/placed_rectangle.hpp"
 #include "query/selection/combinations.hpp"
@@ -18,62 +16,7 @@ namespace {
 
 [[noreturn]] void refuse(std::string sentence) { throw Failure(Cause::invalid_argument, std::move(sentence)); }
 
-class FocusTolerance final : public ToleranceField {
- public:
-  FocusTolerance(double col, double row, double metres_per_col, double metres_per_row, double growth, double at_focus)
-      : col_(col), row_(row), right_(metres_per_col), down_(metres_per_row), growth_(growth), at_focus_(at_focus) {}
-
-  [[nodiscard]] Metres at(GridPoint p) const override { return of(p.col - col_, p.row - row_); }
-  /// Of the rectangle's nearest point, on a sample or not.
-  [[nodiscard]] Metres least(GridRect r) const override {
-    return of(std::clamp(col_, double(r.first.col), double(r.last.col)) - col_,
-              std::clamp(row_, double(r.first.row), double(r.last.row)) - row_);
-  }
-
- private:
-  [[nodiscard]] Metres of(double cols, double rows) const {
-    return Metres{at_focus_ + growth_ * std::hypot(cols * right_, rows * down_)};
-  }
-  double col_, row_, right_, down_, growth_, at_focus_;
-};
-
 }  // namespace
-
-std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double asked_x, double y,
-                                                      double metres_per_metre, Metres at_focus) {
-  require_tolerance(at_focus);
-  const double x = Longitudes(d).among(Position{asked_x, y}, d.extent).x;
-  if (!std::isfinite(x) || !std::isfinite(y)) refuse(fmt::format("focus {}, {}: expected coordinates", x, y));
-  if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
-    refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));
-  const double col = (x - d.mapping.x0) / d.mapping.dx, row = (y - d.mapping.y0) / d.mapping.dy;
-  const GridRect& e = d.extent;
-  if (!(col >= e.first.col - 0.5 && col <= e.last.col + 0.5 && row >= e.first.row - 0.5 && row <= e.last.row + 0.5)) {
-    refuse(fmt::format(
-        "focus {}, {}: lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the "
-        "database's CRS",
-        x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row)));
-  }
-  const Ground ground(d.crs);
-  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
-               down = ground.metres({x, y}, {x, y + d.mapping.dy});
-  if (!(right > 0) || !(down > 0))
-    refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
-  return std::make_shared<FocusTolerance>(col, row, right, down, metres_per_metre, at_focus.value);
-}
-
-GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {
-  if (samples < 1) refuse(fmt::format("snap to multiples of {} samples: expected 1 or more", samples));
-  const auto down = [&](std::int64_t v) { return v - ((v % samples) + samples) % samples; };
-  const auto up = [&](std::int64_t v) { return -down(-v); };
-  const auto within = [](std::int64_t v, std::int32_t first, std::int32_t last) {
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, first, last));
-  };
-  return {{within(down(region.first.col), extent.first.col, extent.last.col),
-           within(down(region.first.row), extent.first.row, extent.last.row)},
-          {within(up(region.last.col), extent.first.col, extent.last.col),
-           within(up(region.last.row), extent.first.row, extent.last.row)}};
-}
 
 int finest_level(GridRect extent) {
   return std::max(0, std::countr_zero(static_cast<std::uint32_t>(root_side(extent))) - 1);

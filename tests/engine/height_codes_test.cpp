@@ -1,6 +1,6 @@
 // Heights of a stream as whole numbers: back bit for bit, and what has no code is refused.
 
-#include "engine/stream/stream_heights.hpp"
+#include "engine/stream/height_codes.hpp"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "engine/stream/stream_heights.hpp"
+#include "engine/stream/height_codes.hpp"
 
 #include <algorithm>
 #include <bit>

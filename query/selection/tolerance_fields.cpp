@@ -1,4 +1,4 @@
-// Tolerances that are the same all over a cell: of a raster, or of patches.
+// Tolerances that vary: with the distance from a point, or from cell to cell of a raster or of patches.
 
 #include <algorithm>
 #include <bit>
@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
+#include "engine/geo/longitude.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "query/selection/refusals.hpp"
 #include "talus/failure.hpp"
@@ -118,7 +120,49 @@ Axis cells_of(double x0, double dx, std::int32_t first, std::int32_t last, doubl
   return axis;
 }
 
+class FocusTolerance final : public ToleranceField {
+ public:
+  FocusTolerance(double col, double row, double metres_per_col, double metres_per_row, double growth, double at_focus)
+      : col_(col), row_(row), right_(metres_per_col), down_(metres_per_row), growth_(growth), at_focus_(at_focus) {}
+
+  [[nodiscard]] Metres at(GridPoint p) const override { return of(p.col - col_, p.row - row_); }
+  /// Of the rectangle's nearest point, on a sample or not.
+  [[nodiscard]] Metres least(GridRect r) const override {
+    return of(std::clamp(col_, double(r.first.col), double(r.last.col)) - col_,
+              std::clamp(row_, double(r.first.row), double(r.last.row)) - row_);
+  }
+
+ private:
+  [[nodiscard]] Metres of(double cols, double rows) const {
+    return Metres{at_focus_ + growth_ * std::hypot(cols * right_, rows * down_)};
+  }
+  double col_, row_, right_, down_, growth_, at_focus_;
+};
+
 }  // namespace
+
+std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double asked_x, double y,
+                                                      double metres_per_metre, Metres at_focus) {
+  require_tolerance(at_focus);
+  const double x = Longitudes(d).among(Position{asked_x, y}, d.extent).x;
+  if (!std::isfinite(x) || !std::isfinite(y)) refuse(fmt::format("focus {}, {}: expected coordinates", x, y));
+  if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
+    refuse(fmt::format("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre));
+  const double col = (x - d.mapping.x0) / d.mapping.dx, row = (y - d.mapping.y0) / d.mapping.dy;
+  const GridRect& e = d.extent;
+  if (!(col >= e.first.col - 0.5 && col <= e.last.col + 0.5 && row >= e.first.row - 0.5 && row <= e.last.row + 0.5)) {
+    refuse(fmt::format(
+        "focus {}, {}: lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the "
+        "database's CRS",
+        x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row)));
+  }
+  const Ground ground(d.crs);
+  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
+               down = ground.metres({x, y}, {x, y + d.mapping.dy});
+  if (!(right > 0) || !(down > 0))
+    refuse(fmt::format("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y));
+  return std::make_shared<FocusTolerance>(col, row, right, down, metres_per_metre, at_focus.value);
+}
 
 std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
                                                       std::vector<double> metres) {
