@@ -1,11 +1,11 @@
 #pragma once
 // Adds a level of half the spacing to the vertices of coarser levels: which grid points may be vertices, the predicted
-// height of each, and the heights of the vertices. Writers and readers of streams use the same walk. A writer's coder
-// reads which candidates are vertices, a reader's coder fills it in. [P98 §3; docs/format/rqt-v1.md, sections 5 and 6]
+// height of each, and the heights of the vertices. Writers and readers use the same walk. A coder says which candidates
+// are vertices: it knows the answer, or reads the stream. [P98 §3; docs/format/rqt-v1.md, sections 5 and 6]
 //
 // A grid point is a strict candidate if all corners of its diamond in the window are vertices. Other points may be
-// vertices only amid voids and outside a region. There, a point with one parent is a loose candidate. All other vertices
-// must be known beforehand. A level has two halves: centres, then side midpoints. A prediction depends on earlier halves
+// vertices only amid voids and outside a region. There, a point with one parent is a loose candidate. All others must
+// be known beforehand. A level has two halves: centres, then side midpoints. A prediction depends on earlier halves
 // only, so the rows of a half may be walked in any order and by several threads.
 
 #include <algorithm>

@@ -13,8 +13,8 @@ namespace talus {
 ///
 /// Why every sample stays within the bound: when a vertex was dropped, all its descendants were dropped, too. Take a
 /// triangle with three kept corners and a dropped midpoint. All its vertices lie in its plane, and every sample lies
-/// within the midpoint's error of this plane. Every triangle of an answer lies in such a triangle, because vertices
-/// with a triangle that leaves the extent were kept (is_near_border).
+/// within the midpoint's error of this plane. A triangle of an answer with a dropped corner always lies in such a
+/// triangle, because vertices with a triangle that leaves the extent were kept (is_near_border).
 class KeptHeights {
  public:
   KeptHeights(const StoredPages& pages, QueryCost& cost);

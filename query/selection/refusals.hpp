@@ -14,9 +14,9 @@ void require_tolerance(Metres tolerance);
 void require_finer(Metres from, Metres to);
 
 /// Checks a question, and returns it with its region and its points in samples. Every question passes through here.
-/// What needs a search or rounding is checked later: the tolerance of a budget, the quantum of heights.
+/// The tolerance of a budget and the quantum of heights are checked later, because they need a search or rounding.
 ///
-/// together  it is one of several, see Snapshot::ask_together
+/// together  the question is one of several, see Snapshot::ask_together
 [[nodiscard]] Question accepted(const StoredPages& pages, const Question& question, bool together);
 
 }  // namespace talus
