@@ -12,7 +12,7 @@
 namespace talus {
 namespace {
 
-/// The part of an answer that a mask has not.
+/// The part of an answer whose vertices are not in a mask.
 RestrictedQuadtree without(const RestrictedQuadtree& answer, const VertexMask& had) {
   RestrictedQuadtree rest = answer;
   rest.vertices = VertexMask(answer.vertices.region());
@@ -88,8 +88,8 @@ RestrictedQuadtree apply(const RestrictedQuadtree& client, const Difference& dif
       client.tolerance != difference.added.from) {
     throw Failure(
         Cause::invalid_argument,
-        fmt::format("the difference continues an answer at {} m, and the client has another one, at {} m: ask for a "
-                    "difference that starts over",
+        fmt::format("the difference continues an answer at {} m, but the client has another answer, at {} m: call "
+                    "Session::forget and ask again",
                     difference.added.from.value, client.tolerance.value));
   }
   return difference.is_increment ? merge(client, difference.added) : united(client, difference.removed, added);

@@ -25,8 +25,8 @@ struct StoredPages::Lazy {
   Identity identity;
 };
 
-// The manifest alone would not do: two rasters may share all that it says. The file's seal would be another where the
-// same pages lie elsewhere in the file, and stands at a path that may be another file's by now.
+// Two different rasters may have the same manifest, so the digest also covers the provenance. The file's seal cannot be
+// used: it changes when the same pages move in the file, and the path may name another file by now.
 Identity StoredPages::identity() const {
   std::call_once(lazy_->identity_once, [&] {
     std::vector<std::byte> said;
@@ -66,7 +66,7 @@ StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cach
 
 namespace {
 
-/// Null where a cost is not told by band.
+/// Null if a cost is not counted by band.
 BandCost* band_in(QueryCost& cost, PageId id) {
   const auto band = static_cast<std::size_t>(id.band);
   return band < cost.bands.size() ? &cost.bands[band] : nullptr;
@@ -101,12 +101,12 @@ StoredPage StoredPages::find(PageId id, QueryCost& cost) const {
 void StoredPages::require(PageId id, std::uint32_t generation, const StoredPage& page) const {
   if (page.generation == generation) return;
   throw Failure(Cause::corrupt,
-                fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, {} is expected",
+                fmt::format("corrupt: {}: page {}/{} of band {} is stale: written by update {}, expected update {}",
                             file_.string(), id.x, id.y, id.band, page.generation, generation),
                 file_);
 }
 
-/// What was decoded, if the file had all its bytes until the end.
+/// Decodes a page, and fails if the file became shorter meanwhile.
 template <class Decode>
 const Page& StoredPages::whole(Decode&& decode) const {
   try {

@@ -1,5 +1,5 @@
 #pragma once
-// What does not go together in one question: the one table. docs/questions.md shows it, and a test holds both together.
+// The table of things that one question cannot combine. docs/questions.md shows it, and a test compares both.
 
 #include <array>
 #include <cstddef>
@@ -61,7 +61,7 @@ inline constexpr std::array<FeatureWords, 17> kFeatures{{
   return kFeatures[static_cast<std::size_t>(feature)];
 }
 
-/// Two things that do not go together, and what a caller is told who asks for both.
+/// Two things that do not go together, and the message for a caller who asks for both.
 struct Combination {
   Feature one, other;
   std::string_view sentence;
@@ -132,7 +132,7 @@ inline constexpr std::array<Combination, 29> kRefused{{
 
 /// Whether a question asks for something.
 ///
-/// together  it is one of several
+/// together  the question is one of several
 [[nodiscard]] bool asks_for(const Question& question, Feature feature, bool together);
 
 }  // namespace talus

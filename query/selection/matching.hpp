@@ -8,10 +8,10 @@
 
 namespace talus {
 
-/// Where one region ends and the other begins: rectangles one sample wide or high, and at least one cell long.
+/// The sides that two regions share: rectangles one sample wide or high, and at least one cell long.
 [[nodiscard]] std::vector<GridRect> shared_sides(GridRect a, GridRect b);
 
-/// The vertices of region `of` on the sides that it shares with another.
+/// Visits the vertices of region `of` on the sides that it shares with the other region.
 template <class Visit>
 void for_each_on_shared_sides(const VertexMask& vertices, GridRect of, GridRect other, Visit&& visit) {
   for (const GridRect& side : shared_sides(of, other)) {

@@ -25,7 +25,7 @@ int finest_level(GridRect extent) {
 void require_inside(const StoredPages& pages, GridRect region) {
   const GridRect& extent = pages.manifest().description.extent;
   if (region.cols() < 1 || region.rows() < 1 || !extent.contains(region.first) || !extent.contains(region.last)) {
-    refuse(fmt::format("region of columns {} to {}, rows {} to {}: expected one within columns {} to {}, rows {} to {}",
+    refuse(fmt::format("region of columns {} to {}, rows {} to {}: it must lie within columns {} to {}, rows {} to {}",
                        region.first.col, region.last.col, region.first.row, region.last.row, extent.first.col,
                        extent.last.col, extent.first.row, extent.last.row));
   }
@@ -40,11 +40,11 @@ namespace {
 
 void require_neighbour(const StoredPages& pages, GridRect region, const RestrictedQuadtree& neighbour) {
   if (neighbour.origin.identity != pages.identity())
-    refuse("a neighbour is the answer of another database, or of another state of it: ask for it anew");
+    refuse("a neighbour's answer is from another database, or from another state of it: ask for it again");
   if (neighbour.origin.border != Border::constrain)
-    refuse("a neighbour's border is not constrained: nothing can meet it in vertices");
+    refuse("a neighbour's answer has another border than constrain: ask for it again with a constrained border");
   const GridRect& other = neighbour.region;
-  if (!(neighbour.vertices.region() == other)) refuse("a neighbour's vertices are not those of its region");
+  if (!(neighbour.vertices.region() == other)) refuse("a neighbour's vertices cover another region than its own");
   if (!shared_sides(region, other).empty()) return;
   refuse(fmt::format(
       "the neighbour of columns {} to {}, rows {} to {} shares no side with the region of columns {} to {}, "
@@ -90,7 +90,7 @@ void require_combinable(const Question& question, bool together) {
 
 void require_from(const Question& question) {
   require_tolerance(*question.from);
-  if (asks_for(question, Feature::budget, false)) return;  // not known yet
+  if (asks_for(question, Feature::budget, false)) return;  // the tolerance is not known yet
   require_finer(*question.from, question.tolerance);
 }
 
@@ -98,9 +98,9 @@ void require_from(const Question& question) {
 
 void require_finer(Metres from, Metres to) {
   if (to < from) return;
-  refuse(fmt::format(
-      "increment from {} m to {} m: expected a finer one to go to: Question::tolerance below Question::from",
-      from.value, to.value));
+  refuse(
+      fmt::format("increment from {} m to {} m: expected a finer tolerance, Question::tolerance below Question::from",
+                  from.value, to.value));
 }
 
 void require_combinable(const Question& question) { require_combinable(question, false); }
@@ -118,7 +118,7 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   require_inside(pages, question.region);
   require_tolerance(question.tolerance);
   if (question.max_level && *question.max_level < 0)
-    refuse(fmt::format("largest level {}: expected 0 or more", *question.max_level));
+    refuse(fmt::format("finest level {}: expected 0 or more for Question::max_level", *question.max_level));
   if (question.from) require_from(question);
   const std::vector<GridPoint> nearest = samples_nearest(d, question.region, question.places);
   question.points.insert(question.points.end(), nearest.begin(), nearest.end());
@@ -131,8 +131,8 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   for (const GridPoint p : question.points) {
     if (question.region.contains(p)) continue;
     refuse(fmt::format(
-        "point of interest at column {}, row {}: expected one in the region, columns {} to {}, rows {} to {}", p.col,
-        p.row, question.region.first.col, question.region.last.col, question.region.first.row,
+        "point of interest at column {}, row {}: expected a point in the region, columns {} to {}, rows {} to {}",
+        p.col, p.row, question.region.first.col, question.region.last.col, question.region.first.row,
         question.region.last.row));
   }
   for (const RestrictedQuadtree* neighbour : question.neighbours) require_neighbour(pages, question.region, *neighbour);

@@ -9,13 +9,13 @@
 namespace talus {
 namespace {
 
-/// More metres than doubles miss decimal heights by; part of the bound where a step is no binary fraction.
+/// Metres; more than doubles round decimal heights by. Part of the bound, unless the step is a binary fraction.
 constexpr double kDecimalRounding = 1e-9;
 
 /// The largest distance in height codes that is still within a tolerance; -1 if none is.
 double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
   const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
-  // metres do not overflow
+  // `high` is finite in metres, too
   double low = 0, high = std::numeric_limits<double>::max() / std::max(1.0, distance.factor());
   if (!within(0)) return -1;
   if (within(high)) return high;
@@ -25,7 +25,7 @@ double largest_distance_within(double tolerance_m, const CodeDistance& distance)
   }
 }
 
-/// The same in eighths of a code.
+/// A distance in height codes as eighths of a code, rounded down; -1 stays -1.
 std::int32_t largest_eighths_within(double largest_distance) {
   if (largest_distance < 0) return -1;
   constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();

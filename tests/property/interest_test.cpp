@@ -260,7 +260,7 @@ TEST(Interest, RastersOfToleranceThatDoNotFitAreRefusedByName) {
   };
   const GridMapping fits{2, -2, 5, -5};
   refused(fits, {1, 2, 3, -4}, "7, -7 (column 1, row 1)");
-  refused(fits, {1, 2, std::nan(""), 4}, "nothing");
+  refused(fits, {1, 2, std::nan(""), 4}, "is void");
   refused({7, -2, 5, -5}, {1, 2, 3, 4}, "do not cover");
   refused({2, -9, 5, -5}, {1, 2, 3, 4}, "do not cover");
   refused({2, -2, 3, -5}, {1, 2, 3, 4}, "do not cover");
