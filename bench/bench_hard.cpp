@@ -234,7 +234,7 @@ class Case {
       benchmark::DoNotOptimize(mesh.triangles.data());
     };
     take(cost_.exact_ns, [&] { ask(0); });
-    take(cost_.coarse_ns, [&] { ask((d.maximum - d.minimum) / 32); });
+    take(cost_.coarse_ns, [&] { ask((d.maximum_height - d.minimum_height) / 32); });
   }
   [[nodiscard]] const Cost& cost() const { return cost_; }
 

@@ -54,8 +54,8 @@ bool holds_tiles(PageWriter& writer) {
 Job job_of(const Source& source, const IngestOptions& options) {
   Description description = source.description();
   description.void_weight = options.void_weight;
-  description.lossy_metres = options.inputs.height_step.value / 2;
-  description.finest_tolerance = options.finest_tolerance.value;
+  description.lossy = Metres{options.inputs.height_step.value / 2};
+  description.finest_tolerance = Metres{options.finest_tolerance.value};
   description.error_metric = options.error_metric;
   return job_of(
       description, code_bytes(code_kind(source.description())), source.block_bytes(),

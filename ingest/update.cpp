@@ -45,11 +45,11 @@ void require_same_heights(const Description& base, const Description& fresh) {
 }
 
 void require_all_samples(const Description& base, const std::filesystem::path& database) {
-  if (base.finest_tolerance == 0) return;
+  if (base.finest_tolerance.value == 0) return;
   fail(Cause::unsupported,
        "{}: keeps only the vertices for tolerances of {} m and more, so errors beside new data cannot be computed. "
        "Ingest all sources again",
-       database.string(), base.finest_tolerance);
+       database.string(), base.finest_tolerance.value);
 }
 
 /// A database, its new inputs, and what they change.
@@ -102,7 +102,7 @@ struct Updating {
     options.void_weight = before.void_weight;
     options.error_metric = before.error_metric;
     options.inputs.grid = grid_of(before);
-    options.inputs.height_step = Metres{2 * before.lossy_metres};
+    options.inputs.height_step = Metres{2 * before.lossy.value};
     return options;
   }
 };

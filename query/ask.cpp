@@ -14,7 +14,7 @@
 namespace talus {
 namespace {
 
-/// Nothing but a region and a tolerance with a constrained border: one pass over the pages will do.
+/// Whether a question has only a region, a tolerance and a constrained border. One pass over the pages is then enough.
 bool is_plain(const Question& q, GridRect extent) {
   return q.border == Border::constrain && !q.field && q.points.empty() && q.neighbours.empty() &&
          (!q.max_level || *q.max_level >= finest_level(extent));

@@ -1,5 +1,5 @@
 #pragma once
-// Every question comes through here.
+// Answers questions. Every question of a snapshot passes through here.
 
 #include <span>
 #include <vector>
@@ -11,7 +11,7 @@ namespace talus {
 
 /// See Snapshot::ask.
 ///
-/// threads  for a question that does not say how many
+/// threads  number of threads, unless the question has its own
 [[nodiscard]] Answer answer_to(const StoredPages& pages, const Question& question, int threads);
 
 /// See Snapshot::ask_together.

@@ -16,8 +16,8 @@ namespace talus {
 
 struct Database::Opened {
   PageStore store;
-  std::shared_ptr<PageCache> cache;  ///< snapshots share it, and may outlive this
-  std::filesystem::path file;        ///< the name it was opened by
+  std::shared_ptr<PageCache> cache;  ///< shared with snapshots, which may outlive this
+  std::filesystem::path file;        ///< the path that it was opened by
   OpenOptions options;
 };
 
@@ -28,7 +28,7 @@ Database Database::open(const std::filesystem::path& file, const OpenOptions& op
     return blaming(file, [&] {
       Database database(std::make_shared<Opened>(
           Opened{PageStore::open(file), std::make_shared<PageCache>(options.cache_bytes), file, options}));
-      (void)database.snapshot();  // a header that cannot be read is said here, not at the first question
+      (void)database.snapshot();  // fails here, not at the first question, if the header cannot be read
       return database;
     });
   });
@@ -112,8 +112,9 @@ std::optional<double> Snapshot::height(double x, double y, std::optional<Metres>
 
 QueryCost Snapshot::heights(std::span<const Position> points, std::span<std::optional<double>> out,
                             std::optional<Metres> surface) const {
-  if (points.size() != out.size())
-    refuse("{} points, and room for {} heights: expected as many", points.size(), out.size());
+  if (points.size() != out.size()) {
+    refuse("{} points, but {} heights: expected one height for each point", points.size(), out.size());
+  }
   return within_memory([&] {
     if (!surface) return sampled_heights(view_->pages, points, out);
     return surface_heights(view_->pages, view_->pages.extent_border(), *surface, points, out);
@@ -129,7 +130,8 @@ SampleWindow Snapshot::samples(GridRect region) const {
 }
 
 Increment increment_of(Answer answer) {
-  if (!answer.from) refuse("the answer is whole: only one to a question with Question::from has an increment");
+  if (!answer.from)
+    throw Failure(Cause::invalid_argument, "the answer is not an increment: ask for one with Question::from");
   return {std::move(answer.quadtree), *answer.from, std::move(answer.cost)};
 }
 

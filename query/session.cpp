@@ -11,7 +11,7 @@
 namespace talus {
 namespace {
 
-/// The part of an answer that a mask has not.
+/// The part of an answer whose vertices are not in a mask.
 RestrictedQuadtree without(const RestrictedQuadtree& answer, const VertexMask& had) {
   RestrictedQuadtree rest = answer;
   rest.vertices = VertexMask(answer.vertices.region());
@@ -86,8 +86,8 @@ RestrictedQuadtree apply(const RestrictedQuadtree& client, const Difference& dif
   if (client.origin != added.origin || !(client.region == difference.region_before) ||
       client.tolerance != difference.added.from) {
     refuse(
-        "the difference goes on from another answer, at {} m, than the client has, at {} m: ask for one that starts "
-        "over",
+        "the difference continues an answer at {} m, but the client has another answer, at {} m: call Session::forget "
+        "and ask again",
         difference.added.from.value, client.tolerance.value);
   }
   return difference.is_increment ? merge(client, difference.added) : united(client, difference.removed, added);

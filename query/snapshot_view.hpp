@@ -1,5 +1,5 @@
 #pragma once
-// What stands behind a Snapshot.
+// The contents of a Snapshot.
 
 #include "query/pages/stored_pages.hpp"
 #include "query/selection/range_query.hpp"
@@ -8,7 +8,7 @@ namespace talus {
 
 struct Snapshot::View {
   StoredPages pages;
-  int threads = 1;  ///< for a large question
+  int threads = 1;  ///< number of threads for a large question
 };
 
 [[nodiscard]] const StoredPages& pages_of(const Snapshot& snapshot);

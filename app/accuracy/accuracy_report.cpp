@@ -20,7 +20,7 @@ std::string metres3(Metres m) { return fmt::format("{:.3g} m", m.value); }
 std::string exactly(Metres m) { return fmt::format("{} m", m.value); }
 
 /// A time on the command line; below a second in milliseconds.
-std::string budget_text(double seconds) {
+std::string limit_text(double seconds) {
   return seconds < 0.9999 ? fmt::format("{:g} ms", seconds * 1000) : fmt::format("{:g} s", seconds);
 }
 
@@ -120,13 +120,13 @@ std::vector<std::string> caveats(const AccuracyReport& report, const AccuracyNam
     sentences.push_back(
         fmt::format("the database keeps only the vertices for {} m and coarser, so that errors are not known without "
                     "--against DEM",
-                    d.finest_tolerance));
+                    d.finest_tolerance.value));
   }
   if (d.error_metric == ErrorMetric::perpendicular)
     sentences.push_back(
         "the database measures tolerances at right angles to the triangles; the errors here are along the vertical");
-  if (d.lossy_metres > 0 && report.has_truth) {
-    sentences.push_back(fmt::format("ingest rounded heights by up to {} m, and bounds include it{}", d.lossy_metres,
+  if (d.lossy.value > 0 && report.has_truth) {
+    sentences.push_back(fmt::format("ingest rounded heights by up to {} m, and bounds include it{}", d.lossy.value,
                                     names.truth.empty()
                                         ? "; the errors here are against the rounded heights, --against DEM measures "
                                           "them against the source"
@@ -252,14 +252,14 @@ std::string recommendation(const AccuracyReport& report) {
   const AccuracyPoint *const point = advised(report), *const other = compared(report);
   if (point == nullptr) {
     const AccuracyPoint& coarsest = report.points.front();
-    return fmt::format("{} is too short: {}, the coarsest tolerance here, takes {}.",
-                       budget_text(advice.budget_seconds), exactly(coarsest.tolerance), timed(coarsest.warm_seconds));
+    return fmt::format("{} is too short: {}, the coarsest tolerance here, takes {}.", limit_text(advice.limit_seconds),
+                       exactly(coarsest.tolerance), timed(coarsest.warm_seconds));
   }
-  const bool is_ample = advice.is_finest && advice.budget_seconds > 1.1 * point->warm_seconds;
+  const bool is_ample = advice.is_finest && advice.limit_seconds > 1.1 * point->warm_seconds;
   std::string text =
       is_ample ? fmt::format("{} is more than enough: {}, the finest tolerance here, takes {}",
-                             budget_text(advice.budget_seconds), exactly(point->tolerance), timed(point->warm_seconds))
-               : fmt::format("For {} you can have {}", budget_text(advice.budget_seconds), exactly(point->tolerance));
+                             limit_text(advice.limit_seconds), exactly(point->tolerance), timed(point->warm_seconds))
+               : fmt::format("For {} you can have {}", limit_text(advice.limit_seconds), exactly(point->tolerance));
   if (other != nullptr) text += fmt::format("; {} takes {}", exactly(other->tolerance), timed(other->warm_seconds));
   text += ".";
   const AccuracyPoint& finest = report.points.back();
@@ -317,7 +317,7 @@ Json accuracy_json(const AccuracyReport& report, const AccuracyNames& names) {
   for (const GridRect& w : report.windows)
     windows.push_back({{"bbox", bounds(report.description, w)}, {"cols", w.cols()}, {"rows", w.rows()}});
   for (const AccuracyPoint& p : report.points) points.push_back(point_json(p));
-  Json advice{{"budget_seconds", report.advice.budget_seconds}, {"text", recommendation(report)}};
+  Json advice{{"budget_seconds", report.advice.limit_seconds}, {"text", recommendation(report)}};
   if (const AccuracyPoint* const p = advised(report)) {
     advice["tolerance"] = p->tolerance.value;
     advice["seconds"] = p->warm_seconds;
@@ -420,8 +420,8 @@ std::string accuracy_html(const AccuracyReport& report, const AccuracyNames& nam
     const bool several = report.maps.size() > 1;
     const double height = several ? 880
                                   : 60 +
-                                        std::min(900.0, 880 * report.maps.front().height_on_ground_m /
-                                                            std::max(report.maps.front().width_m, 1e-9)) +
+                                        std::min(900.0, 880 * report.maps.front().height.value /
+                                                            std::max(report.maps.front().width.value, 1e-9)) +
                                         70;
     maps = "<figure>" + svg_document(1000, height, drawn_maps(report, {10, 0, 980, height})) + "</figure>\n";
   }

@@ -48,7 +48,7 @@ std::vector<double> shades(const ErrorMap& map) {
     return map
         .height_m[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.cols) + static_cast<std::size_t>(col)];
   };
-  const double cell_x = map.width_m / std::max(map.cols, 1), cell_y = map.height_on_ground_m / std::max(map.rows, 1);
+  const double cell_x = map.width.value / std::max(map.cols, 1), cell_y = map.height.value / std::max(map.rows, 1);
   std::vector<double> east, north, slopes;
   for (int row = 0; row < map.rows; ++row) {
     for (int col = 0; col < map.cols; ++col) {
@@ -173,8 +173,8 @@ std::string locator(const AccuracyReport& report, Box box) {
   const GridRect& e = report.description.extent;
   const ErrorMap& map = report.maps.front();
   const GridRect& w = report.windows.front();
-  const double aspect = map.height_on_ground_m / static_cast<double>(std::max<std::int64_t>(w.rows() - 1, 1)) /
-                        (map.width_m / static_cast<double>(std::max<std::int64_t>(w.cols() - 1, 1)));
+  const double aspect = map.height.value / static_cast<double>(std::max<std::int64_t>(w.rows() - 1, 1)) /
+                        (map.width.value / static_cast<double>(std::max<std::int64_t>(w.cols() - 1, 1)));
   const double cols = static_cast<double>(std::max<std::int64_t>(e.cols() - 1, 1)),
                rows = static_cast<double>(std::max<std::int64_t>(e.rows() - 1, 1));
   Box whole = fitted(box, cols, rows * aspect);
@@ -228,8 +228,8 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
   // All panels are as large as the largest map.
   double width_m = 1e-9, height_m = 1e-9;
   for (const ErrorMap& map : report.maps) {
-    width_m = std::max(width_m, map.width_m);
-    height_m = std::max(height_m, map.height_on_ground_m);
+    width_m = std::max(width_m, map.width.value);
+    height_m = std::max(height_m, map.height.value);
   }
   const Box slot =
       fitted({0, 0, room.width / static_cast<double>(across) - kGap, room.height / static_cast<double>(down) - kGap},
@@ -240,16 +240,16 @@ std::string drawn_maps(const AccuracyReport& report, Box box) {
     const ErrorMap& map = report.maps[i];
     const Box at{room.x + (slot.width + kGap) * static_cast<double>(i % across),
                  room.y + (slot.height + kGap) * static_cast<double>(i / across),
-                 slot.width * std::max(map.width_m, 1e-9) / width_m,
-                 slot.height * std::max(map.height_on_ground_m, 1e-9) / height_m};
+                 slot.width * std::max(map.width.value, 1e-9) / width_m,
+                 slot.height * std::max(map.height.value, 1e-9) / height_m};
     if (i == 0) first = at;
     bottom = std::max(bottom, at.y + at.height);
     group += panel(map, limit, at) + (count > 1 ? numbered(i + 1, at) : "");
   }
   group += limit > 0 ? legend(limit, room.x + 14, bottom + 26, has_voids)
                      : svg_text(room.x, bottom + 36, "the error is 0 everywhere", kText);
-  if (report.maps.front().width_m > 0)
-    group += scale_bar(room.x + 14, bottom + 66, report.maps.front().width_m, first.width);
+  if (report.maps.front().width.value > 0)
+    group += scale_bar(room.x + 14, bottom + 66, report.maps.front().width.value, first.width);
   return group + "</g>\n";
 }
 

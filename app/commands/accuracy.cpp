@@ -36,7 +36,7 @@ bool is_page(const std::string& output) { return output.ends_with(".html") || ou
 
 /// Refuses before the work what would fail after it.
 void check_output(const std::string& output, const Request& request) {
-  require_ending(output, {".html", ".htm", ".svg"});
+  require_ending(output, "a report", {".html", ".htm", ".svg"});
   require_no_input(output, {request.database});
   require_no_input(output, request.against);
   const HoldInterrupts nothing_left_behind;
@@ -112,7 +112,7 @@ void add_accuracy(CLI::App& program, Action& action) {
   command.group("Most used");
   command.option("--tolerances", options.tolerances, kTolerances, "M,M,...",
                  "Tolerances to measure, in metres. Default: 1, 2, 5, 10 ... over the errors in the database");
-  command.option("--time", options.budget_seconds, kSeconds, "T",
+  command.option("--time", options.limit_seconds, kSeconds, "T",
                  "Recommend the smallest tolerance that answers within this time, such as 10ms or 0.5s. Default: "
                  "recommend a tolerance in the middle");
   command.files("-o,--output", request->outputs, "OUT",

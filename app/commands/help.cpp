@@ -24,7 +24,7 @@ A larger tolerance gives fewer triangles and a faster answer:
 The bound is what an answer keeps. It is at most the tolerance, except where ingest rounded heights (--height-step) or kept fewer vertices (--tolerance), and where --max-level leaves out fine levels. A database made with --metric perpendicular measures at right angles to the triangles.
 
 Other ways to say how exact an answer is:
-  --max-triangles N     the smallest tolerance whose mesh has at most N triangles
+  --max-triangles N     the smallest tolerance whose mesh has at most N triangles; N may be 1e5, 100k or 2.5M
   --focus X,Y,M         exact at a point, coarser with the distance from it
   --tolerance-raster F  a tolerance for each cell of a raster
 
@@ -101,6 +101,7 @@ Standard error has one sentence: what is wrong, and what to do. After a failure 
 struct Request {
   std::string word;
   const CLI::App* program = nullptr;
+  bool json = false;
 };
 
 Exit run(Request& request) {
@@ -136,7 +137,7 @@ void add_help(CLI::App& program, Action& action) {
   request->program = &program;
   Command command(program, "help", "Explain a command or a topic");
   command.group("Arguments").option("WORD", request->word, "COMMAND|TOPIC", "A command, or one of the topics below");
-  command.finish(action, request, run, topics());
+  command.finish(action, request, run, topics(), "Print a failure as one JSON object");
 }
 
 std::string topics() {

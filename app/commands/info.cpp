@@ -67,8 +67,8 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"metres_per_unit", d.metres_per_unit},
       {"height_step",
        {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
-      {"minimum", d.minimum},
-      {"maximum", d.maximum},
+      {"minimum", d.minimum_height},
+      {"maximum", d.maximum_height},
       {"void_samples", d.void_samples},
       {"void_weight", d.void_weight},
       {"error_metric", name_of(d.error_metric)},
@@ -76,8 +76,8 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"pages", s.pages},
       {"page_bytes", s.page_bytes},
       {"bands", bands},
-      {"lossy_metres", d.lossy_metres},
-      {"finest_tolerance", d.finest_tolerance},
+      {"lossy_metres", d.lossy.value},
+      {"finest_tolerance", d.finest_tolerance.value},
       {"made_by", with_options(p.made_by)},
       {"generation", p.generation},
       {"sources", sources},
@@ -105,14 +105,15 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   table.add("region", bounds_text(d, d.extent));
   table.add("cell", fmt::format("{} x {}", d.mapping.dx, -d.mapping.dy));
   table.add("crs", crs_name(d));
-  table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
+  table.add("heights",
+            fmt::format("{} to {} {}", rounded(d.minimum_height), rounded(d.maximum_height), d.vertical_unit));
   table.add("height step", step_text(d.step, d.vertical_unit));
   table.add("errors", name_of(d.error_metric));
   table.add("void weight", fmt::format("{}", d.void_weight));
-  if (d.lossy_metres > 0)
-    table.add("rounded", fmt::format("heights by up to {} m; every bound includes it", d.lossy_metres));
-  if (d.finest_tolerance > 0)
-    table.add("kept", fmt::format("only the vertices for {} m and coarser", d.finest_tolerance));
+  if (d.lossy.value > 0)
+    table.add("rounded", fmt::format("heights by up to {} m; every bound includes it", d.lossy.value));
+  if (d.finest_tolerance.value > 0)
+    table.add("kept", fmt::format("only the vertices for {} m and coarser", d.finest_tolerance.value));
   if (const std::string above = above_text(p); !above.empty()) table.add("vertices above", above);
   table.add("made by", p.generation == 0 ? with_options(p.made_by)
                                          : fmt::format("{}, updated {} times", with_options(p.made_by), p.generation));

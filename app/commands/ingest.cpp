@@ -72,7 +72,7 @@ void add_change(Json& json, const Description& d, const UpdateChange& change) {
   const bool has_heights = change.samples > change.filled;
   json["changed_samples"] = change.samples;
   json["filled_samples"] = change.filled;
-  json["largest_difference"] = change.largest_m;
+  json["largest_difference"] = change.largest.value;
   json["largest_at"] = has_heights ? Json{change.x, change.y} : Json();
   json["changed_region"] = change.samples > 0 ? bounds(d, change.region) : Json();
 }
@@ -86,7 +86,7 @@ void add_change(Table& table, const Description& d, const UpdateChange& change) 
   if (change.filled > 0) samples += fmt::format(", {} of them had no data before", counted(change.filled));
   table.add("changes", samples);
   if (change.samples > change.filled)
-    table.add("", fmt::format("by up to {} m, at {}, {}", rounded(change.largest_m), change.x, change.y));
+    table.add("", fmt::format("by up to {} m, at {}, {}", rounded(change.largest.value), change.x, change.y));
   table.add("", fmt::format("within {}", bounds_text(d, change.region)));
 }
 
@@ -134,7 +134,7 @@ Exit run(Request& request) {
   notes(report.notes);
   if (request.json) {
     Json json = source_of(request, d);
-    json.update({{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}});
+    json.update({{"minimum", d.minimum_height}, {"maximum", d.maximum_height}, {"void_samples", d.void_samples}});
     json.update({{"tiles", report.tiles}, {"samples_now", report.samples}, {"pages", report.pages}});
     json.update({{"pages_read_back", report.pages_read_back}, {"bytes", report.bytes}});
     json.update({{"seconds", report.seconds}, {"notes", report.notes}});
@@ -149,7 +149,8 @@ Exit run(Request& request) {
   table.add("file size", file_size(report.bytes, d.extent));
   table.add("samples", fmt::format("{} x {} of {}, {} void", d.extent.cols(), d.extent.rows(), d.source_type,
                                    counted(d.void_samples)));
-  table.add("heights", fmt::format("{} to {} {}", rounded(d.minimum), rounded(d.maximum), d.vertical_unit));
+  table.add("heights",
+            fmt::format("{} to {} {}", rounded(d.minimum_height), rounded(d.maximum_height), d.vertical_unit));
   if (report.change) add_change(table, d, *report.change);
   if (request.update) table.add("tiles", fmt::format("{} computed again", counted(report.tiles)));
   std::string time = timed(report.seconds);
@@ -171,10 +172,12 @@ void add_grid_options(Command& command, Request& request) {
                  "resolution: the one with smaller cells");
   command.option("--t-srs", inputs.target_srs, "CRS", "Resample to this CRS");
   command.option("--tr", request.cell, kCell, "DX,DY", "Resample to cells of this size, in units of the CRS");
-  command.choice(
-      "--resampling", inputs.resampling,
-      Names<std::string>{{"bilinear", "bilinear"}, {"near", "near"}, {"cubic", "cubic"}, {"average", "average"}},
-      "Resample by bilinear (default), near, cubic or average");
+  command.choice("--resampling", inputs.resampling,
+                 Names<Resampling>{{"bilinear", Resampling::bilinear},
+                                   {"near", Resampling::near},
+                                   {"cubic", Resampling::cubic},
+                                   {"average", Resampling::average}},
+                 "Resample by bilinear (default), near, cubic or average");
   command.file("--grid-of", request.grid_of, "DATABASE", "Resample to the grid of this database");
   command.option("--height-step", inputs.height_step, kMetresAboveZero, "M",
                  "Round heights to multiples of M metres. Every bound then includes half of it");

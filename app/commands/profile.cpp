@@ -21,7 +21,7 @@ std::string csv(const Profile& profile) {
   fmt::format_to(std::back_inserter(lines), "part,distance,x,y,height\n");
   for (std::size_t part = 0; part < profile.parts.size(); ++part) {
     for (const ProfileVertex& v : profile.parts[part]) {
-      fmt::format_to(std::back_inserter(lines), "{},{},{},{},{}\n", part + 1, v.distance_m, v.x, v.y, v.height);
+      fmt::format_to(std::back_inserter(lines), "{},{},{},{},{}\n", part + 1, v.distance.value, v.x, v.y, v.height);
     }
   }
   return fmt::to_string(lines);
@@ -32,7 +32,7 @@ Json parts_of(const Profile& profile) {
   for (const auto& part : profile.parts) {
     Json vertices = Json::array();
     for (const ProfileVertex& v : part) {
-      vertices.push_back({{"distance", v.distance_m}, {"x", v.x}, {"y", v.y}, {"height", v.height}});
+      vertices.push_back({{"distance", v.distance.value}, {"x", v.x}, {"y", v.y}, {"height", v.height}});
     }
     parts.push_back(std::move(vertices));
   }
@@ -41,7 +41,7 @@ Json parts_of(const Profile& profile) {
 
 Exit run(Request& request) {
   if (!request.output.empty()) {
-    require_ending(request.output, {".csv"});
+    require_ending(request.output, "a profile", {".csv"});
     require_no_input(request.output, {request.database});
   }
   const Snapshot now = open_database(request.database).snapshot();
@@ -50,7 +50,7 @@ Exit run(Request& request) {
   std::size_t vertices = 0;
   for (const auto& part : profile.parts) vertices += part.size();
   if (request.json) {
-    Json object{{"length", profile.length_m}};
+    Json object{{"length", profile.length.value}};
     add_bound(object, now.description(), profile.tolerance, profile.bound);
     object.update({{"vertices", vertices}, {"parts", parts_of(profile)}});
     add_cost(object, profile.cost, profile.cost.seconds);
@@ -60,7 +60,7 @@ Exit run(Request& request) {
     print(csv(profile));
   } else {
     Table table;
-    table.add("length", fmt::format("{:.7g} m", profile.length_m));
+    table.add("length", fmt::format("{:.7g} m", profile.length.value));
     add_bound(table, now.description(), profile.tolerance, profile.bound);
     table.add("profile", fmt::format("{} vertices in {} parts", counted(vertices), counted(profile.parts.size())));
     add_cost(table, profile.cost, profile.cost.seconds);

@@ -3,7 +3,7 @@
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
 #include "app/options/outputs.hpp"
-#include "app/options/places.hpp"
+#include "app/options/required_points.hpp"
 #include "app/options/shared_options.hpp"
 #include "app/terminal/explain.hpp"
 #include "app/terminal/interrupt.hpp"
@@ -141,7 +141,7 @@ void conclude(Table& table, const Request& request, const QueryCost& cost, doubl
 
 /// query --from
 Exit write_increment(const Request& request, const Snapshot& now, const Question& question) {
-  for (const std::string& output : request.outputs) require_ending(output, {".rqt"});
+  for (const std::string& output : request.outputs) require_ending(output, "an increment (--from)", {".rqt"});
   const Description& description = now.description();
   Answer answer = now.ask(question);
   Stages stages;
@@ -221,7 +221,9 @@ Table table_of(const Result& r) {
   table.add("mesh", mesh_text(r.mesh.size(), r.mesh.triangles.size()));
   if (r.question.heights.kind != HeightKind::exact)
     table.add("heights", fmt::format("multiples of {} m", r.answer.quadtree.origin.quantum.value));
-  table.add("border", extra(r.answer.border_vertices, ", so that neighbouring rectangles meet"));
+  table.add("border", r.question.border == Border::constrain
+                          ? extra(r.answer.border_vertices, ", so that neighbouring rectangles meet")
+                          : name_of(r.question.border));
   if (!r.question.neighbours.empty()) table.add("match", extra(r.answer.matching_vertices, " to meet the neighbours"));
   if (!r.request.places.is_empty()) {
     table.add("points",
@@ -251,7 +253,7 @@ Exit run(Request& request) {
   }
   const Answer answer = now.ask(question);
   const bool by_raster = !request.tolerance_raster.empty();
-  const Metres tolerance = by_raster        ? Metres{question.field->least(question.region)}
+  const Metres tolerance = by_raster        ? question.field->least(question.region)
                            : question.field ? question.tolerance
                                             : answer.quadtree.tolerance;
   if (!request.tolerance && !by_raster) stages.add_search(answer.search);

@@ -73,7 +73,7 @@ std::string advice(const Checked& checked) {
   const std::string restore = "restore the file from a backup, or " + again;
   if (!checked.report.is_rest_usable) return "do not use it; " + restore;
   return (checked.report.damaged.empty() ? "answers are right, but the file has changed since it was made; "
-                                         : "answers outside the damaged rectangles are right; ") +
+                                         : "answers that read nothing from the damaged rectangles are right; ") +
          restore;
 }
 
@@ -87,7 +87,7 @@ bool is_within_bound(const Checked& checked, std::optional<Metres> tolerance) {
   const VerifyReport& report = checked.report;
   if (!tolerance || !report.true_error) return true;
   const Description& d = checked.description;
-  const Metres promised{std::max({tolerance->value, d.lossy_metres, d.finest_tolerance})};
+  const Metres promised{std::max({tolerance->value, d.lossy.value, d.finest_tolerance.value})};
   // Cells in degrees are measured in two ways, which differ by a millionth.
   return report.perpendicular_error ? is_within(*report.perpendicular_error, promised, 1e-6)
                                     : is_within(*report.true_error, promised, 1e-12);

@@ -45,7 +45,7 @@ SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>&
       const bool is_there = window.valid[at] != 0;
       const double there = window.values[at];
       const double rounding =
-          d.lossy_metres / d.metres_per_unit + 4 * std::numeric_limits<double>::epsilon() * std::abs(there);
+          d.lossy.value / d.metres_per_unit + 4 * std::numeric_limits<double>::epsilon() * std::abs(there);
       if (is_kept == is_there && (!is_kept || std::abs(kept - there) <= rounding)) return;
       const auto text = [](bool is_data, double height) {
         return is_data ? fmt::format("{}", height) : std::string("no data");
@@ -53,7 +53,7 @@ SampleReader of_same_heights(SampleReader truth, const std::vector<std::string>&
       refuse(fmt::format("{} has {} at column {}, row {}, and {} has {}", database, text(is_kept, kept), p.col, p.row,
                          name, text(is_there, there)));
     };
-    if (d.finest_tolerance > 0) {
+    if (d.finest_tolerance.value > 0) {
       const RestrictedQuadtree finest = now.ask({.region = part}).quadtree;
       std::size_t i = 0;
       finest.vertices.for_each([&](GridPoint p) {

@@ -1,5 +1,6 @@
 #pragma once
-// A subcommand as it is put together.
+// A subcommand as it is put together. Options of many commands (DATABASE, --bbox, --threads, --json) are methods here;
+// app/options/arguments reads the values.
 
 #include <cstdint>
 #include <functional>
@@ -63,8 +64,8 @@ class Command {
     });
   }
   /// One of several names; the first is the one that holds without the option.
-  template <class T>
-  CLI::Option* choice(const char* names, T& value, Names<T> choices, const char* text) {
+  template <class T, class Value>
+  CLI::Option* choice(const char* names, Value& value, Names<T> choices, const char* text) {
     return function(names, "WORD", text,
                     [=, &value](const std::string& typed) { value = named(choices, names, typed); });
   }

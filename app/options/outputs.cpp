@@ -25,18 +25,18 @@ void require_no_input(const std::string& output, const std::vector<std::string>&
   }
 }
 
-void require_ending(const std::string& output, const std::vector<std::string>& endings) {
+void require_ending(const std::string& output, const char* what, const std::vector<std::string>& endings) {
   const auto ends = [&](const std::string& ending) { return output.ends_with(ending); };
   if (std::any_of(endings.begin(), endings.end(), ends)) return;
   throw Failure(Cause::invalid_argument,
-                fmt::format("--output {}: the name must end in {}", output, listed(endings, "or")), output);
+                fmt::format("--output {}: the name of {} must end in {}", output, what, listed(endings, "or")), output);
 }
 
 void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
   for (const std::string& output : outputs) {
     require_no_input(output, inputs);
     if (!is_stream_file(output) && !is_raster_file(output) && !is_mesh_file(output))
-      require_ending(output, {".ply", ".obj", ".glb", ".tif", ".png", ".rqt"});
+      require_ending(output, "an answer", {".ply", ".obj", ".glb", ".tif", ".png", ".rqt"});
     check_folder(output);
   }
 }

@@ -13,7 +13,8 @@ namespace talus::app {
 void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 /// Refuses an output that is an input, under whatever name. "-" and @lists are no files.
 void require_no_input(const std::string& output, const std::vector<std::string>& inputs);
-void require_ending(const std::string& output, const std::vector<std::string>& endings);
+/// what  "a report"
+void require_ending(const std::string& output, const char* what, const std::vector<std::string>& endings);
 
 /// Writes the answer itself to .rqt files, and its mesh to others. A file appears whole or not at all.
 /// returns  the largest distance between a file's surface and the answer's, see write_mesh

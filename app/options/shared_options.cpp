@@ -1,5 +1,7 @@
 #include "app/options/shared_options.hpp"
 
+#include <utility>
+
 namespace talus::app {
 namespace {
 
@@ -13,7 +15,12 @@ const Names<Border>& borders() {
 void add_input_options(Command& command, InputOptions& inputs) {
   command.group("Reading the rasters");
   command.option("--srs", inputs.srs, "CRS", "CRS of all inputs, whatever they state: EPSG:2056, WKT or PROJ");
-  command.option("--vertical-unit", inputs.vertical_unit, "UNIT",
+  Names<VerticalUnit> units;
+  for (const VerticalUnit unit :
+       {VerticalUnit::metre, VerticalUnit::foot, VerticalUnit::us_survey_foot, VerticalUnit::kilometre,
+        VerticalUnit::decimetre, VerticalUnit::centimetre, VerticalUnit::millimetre})
+    units.emplace_back(name_of(unit), unit);
+  command.choice("--vertical-unit", inputs.vertical_unit, std::move(units),
                  "Unit of the heights, for inputs that state none: metre, foot, us-survey-foot, km, dm, cm or mm");
   command.options("--nodata", inputs.nodata, kNodata, "VALUE",
                   "Value that means no data, for inputs that declare none. With --decode it is a height. Can be "

@@ -110,10 +110,10 @@ std::string bound_text(const Description& d, Metres bound) {
 }
 
 std::string why_coarser(const Description& d, Metres tolerance) {
-  const double finest = std::max(d.lossy_metres, d.finest_tolerance);
+  const double finest = std::max(d.lossy.value, d.finest_tolerance.value);
   if (tolerance.value >= finest) return "";
-  return d.finest_tolerance > 0 ? fmt::format("ingest kept only the vertices for {} m", finest)
-                                : fmt::format("ingest rounded heights by up to {} m", finest);
+  return d.finest_tolerance.value > 0 ? fmt::format("ingest kept only the vertices for {} m", finest)
+                                      : fmt::format("ingest rounded heights by up to {} m", finest);
 }
 
 void add_bound(Json& object, const Description& d, Metres tolerance, Metres bound) {

@@ -1,5 +1,6 @@
 #pragma once
-// Chooses the kernel for this processor.
+// Chooses the kernel of errors for this processor. Other hot loops leave the choice to the compiler: TALUS_CLONES in
+// engine/machine/cpu.hpp.
 
 #include "engine/error/block_kernel.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 // Lengths on the ground, from the units and the ellipsoid of a CRS.
 
-#include "engine/geo/geodesy.hpp"
+#include "engine/geo/ground_scale.hpp"
 #include "talus/description.hpp"
 
 namespace talus {

@@ -32,10 +32,10 @@ void require_plausible(const Manifest& m) {
   for (const double v :
        {d.mapping.x0, d.mapping.y0, d.mapping.dx, d.mapping.dy, d.step.scale, d.step.divisor, d.step.offset,
         d.metres_per_unit, d.crs.metres_per_unit, d.crs.degrees_per_unit, d.crs.equatorial_radius, d.crs.flattening,
-        d.minimum, d.maximum, d.void_weight, d.lossy_metres, d.finest_tolerance}) {
+        d.minimum_height, d.maximum_height, d.void_weight, d.lossy.value, d.finest_tolerance.value}) {
     if (!std::isfinite(v)) refuse("a number is not finite");
   }
-  if (d.lossy_metres < 0 || d.finest_tolerance < 0) refuse("the loss or the finest tolerance is negative");
+  if (d.lossy.value < 0 || d.finest_tolerance.value < 0) refuse("the loss or the finest tolerance is negative");
   if (m.top_generations.size() != pages_of_band(m.bands - 1, d.extent).size())
     refuse("the number of coarsest pages does not match the extent");
   if (d.mapping.dx <= 0 || d.mapping.dy >= 0) refuse("the cells of the grid need dx > 0 and dy < 0");
@@ -78,13 +78,13 @@ std::vector<std::byte> encode(const Manifest& m) {
       {"vertical", {{"unit", d.vertical_unit}, {"metres_per_unit", d.metres_per_unit}}},
       {"step",
        {{"scale", d.step.scale}, {"divisor", d.step.divisor}, {"offset", d.step.offset}, {"integer", d.step.integer}}},
-      {"heights", {{"minimum", d.minimum}, {"maximum", d.maximum}, {"void_samples", d.void_samples}}},
+      {"heights", {{"minimum", d.minimum_height}, {"maximum", d.maximum_height}, {"void_samples", d.void_samples}}},
       {"errors",
        {{"kind", kErrorKind},
         {"metric", name_of(d.error_metric)},
         {"void_weight", d.void_weight},
-        {"lossy_bound", d.lossy_metres},
-        {"finest_tolerance", d.finest_tolerance}}},
+        {"lossy_bound", d.lossy.value},
+        {"finest_tolerance", d.finest_tolerance.value}}},
       {"generation", m.generation},
       {"top_generations", m.top_generations},
   };
@@ -122,13 +122,13 @@ Description description_of(const Json& json) {
   const Json& step = json.at("step");
   d.step = {step.at("scale"), step.at("divisor"), step.at("offset"), step.at("integer")};
   const Json& heights = json.at("heights");
-  d.minimum = heights.at("minimum");
-  d.maximum = heights.at("maximum");
+  d.minimum_height = heights.at("minimum");
+  d.maximum_height = heights.at("maximum");
   d.void_samples = whole<std::uint64_t>(heights.at("void_samples"));
   const Json& errors = json.at("errors");
   d.void_weight = errors.at("void_weight");
-  d.lossy_metres = errors.at("lossy_bound");
-  d.finest_tolerance = errors.value("finest_tolerance", 0.0);
+  d.lossy = Metres{errors.at("lossy_bound")};
+  d.finest_tolerance = Metres{errors.value("finest_tolerance", 0.0)};
   return d;
 }
 

@@ -15,7 +15,7 @@ namespace talus {
 namespace {
 
 constexpr int kBlock = 8;                   ///< implied errors repeat in blocks of 8²
-constexpr int kLanes = kPageSide / kBlock;  ///< blocks side by side: one lane of a vector each
+constexpr int kLanes = kPageSide / kBlock;  ///< blocks in a row, one for each lane of a vector
 static_assert(kPageSide == 128 && kBandLevels == 3);
 
 constexpr int reach_of(int s, bool centre) {
@@ -25,7 +25,7 @@ constexpr int reach_of(int s, bool centre) {
 }
 static_assert(reach_of(2, false) == 2 && reach_of(2, true) == 4 && reach_of(4, false) == 6 && reach_of(4, true) == 10);
 
-/// Spacing within a block; 8 for vertices of a coarser band.
+/// The spacing of a vertex; 8 for vertices of a coarser band.
 constexpr int spacing_in_block(std::int32_t col, std::int32_t row) {
   const int bits = static_cast<int>((col | row) & (kBlock - 1));
   return bits == 0 ? kBlock : bits & -bits;
@@ -50,15 +50,15 @@ bool is_implied_by_place(std::int32_t col, std::int32_t row, const PresentRect& 
 
 namespace {
 
-#pragma GCC diagnostic ignored "-Wpsabi"  // vectors are passed to inlined functions only
+#pragma GCC diagnostic ignored "-Wpsabi"  // only inlined functions have vector arguments
 
 template <class Distance>
 struct Vector {
-  typedef Distance V __attribute__((vector_size(64)));  // wider ones become single numbers in gcc
+  typedef Distance V __attribute__((vector_size(64)));  // gcc splits wider vectors into single numbers
 };
 
-// A row of the square with its columns sorted by their place in a block: kLanes numbers each. All arithmetic on whole
-// numbers is unsigned, which wraps around where numbers beyond those of a sound page meet.
+// A page's square, each row sorted by the place of a column in its block: kLanes numbers for each place. Whole numbers
+// are unsigned, so that the heights of a damaged page wrap around instead of overflow.
 template <class Distance>
 struct Sorted {
   using Unsigned = std::conditional_t<std::is_same_v<Distance, double>, double, std::uint32_t>;
@@ -69,11 +69,11 @@ struct Sorted {
 
   alignas(64) Unsigned numbers[kRim + kSquare + kRim]{};
   alignas(64) Unsigned errors[kRim + kSquare + kRim]{};
-  /// Where all is data: not 0 if implied by its place; in whole pages, and in those cut like the last one.
+  /// For pages without voids: not 0 if implied by place. in_part: for pages with the rectangle `part_of`.
   alignas(64) Distance in_whole_page[kSquare]{}, in_part[kSquare]{};
   PresentRect part_of{0, 0, 0, 0};
   bool has_whole_page = false;
-  std::ptrdiff_t part = 0;  ///< first of the lanes at work
+  std::ptrdiff_t part = 0;  ///< first of the lanes that are computed now
   alignas(64) Distance is_implied_here[kSquare]{};
 
   static std::ptrdiff_t place(int col, int row) {
@@ -97,7 +97,7 @@ struct Sorted {
     const auto x = reinterpret_cast<Signed>(a), y = reinterpret_cast<Signed>(b);
     return reinterpret_cast<V>(x < y ? x : y);
   }
-  /// Division by a power of two that leaves no rest.
+  /// Divides by a power of two. The numbers are multiples of it.
   template <int shift>
   [[gnu::always_inline]] static V over(const V& a) {
     if constexpr (std::is_same_v<Distance, double>) {
@@ -107,7 +107,7 @@ struct Sorted {
     }
   }
 
-  /// Largest distance to either side.
+  /// The largest distances above and below the surface.
   struct Range {
     V above{}, below{};
     [[gnu::always_inline]] void take(const V& residual) {
@@ -117,8 +117,8 @@ struct Sorted {
     [[gnu::always_inline]] V largest() const { return larger(above, V{} - below); }
   };
 
-  /// Half of a centre's diamond: right angle at (col, row), legs of 2s cells. Its interior, and the hypotenuse if
-  /// asked.
+  /// Measures a half-diamond of a centre with its right angle at (col, row) and legs of 2s cells.
+  /// hypotenuse  whether the samples on it count, too
   template <int s>
   [[gnu::always_inline]] void corner(int col, int row, int east, int south, bool hypotenuse, Range& range) const {
     constexpr int shift = s == 1 ? 1 : s == 2 ? 2 : 3;
@@ -135,16 +135,16 @@ struct Sorted {
       }
     }
   }
-  /// A centre's error, its diagonal from north-west to south-east or the other one.
+  /// The error of a centre. falling: its diagonal goes from north-west to south-east.
   template <int s>
   [[gnu::always_inline]] V centre(int col, int row, bool falling) const {
     Range range;
-    const int tilt = falling ? 1 : -1;  // where the apex in the north is
+    const int tilt = falling ? 1 : -1;  // direction from the centre to the northern apex
     corner<s>(col + s * tilt, row - s, -tilt, 1, true, range);
     corner<s>(col - s * tilt, row + s, tilt, -1, false, range);
     return range.largest();
   }
-  /// A side midpoint's error; the side runs along the row, or down.
+  /// The error of a side midpoint. level: its side lies along the row, not the column.
   template <int s>
   [[gnu::always_inline]] V side(int col, int row, bool level) const {
     constexpr int shift = s == 1 ? 0 : s == 2 ? 1 : 2;
@@ -174,9 +174,9 @@ struct Sorted {
     return range.largest();
   }
 
-  /// Own error and those of the four children.
+  /// Stores the saturated error: the largest of the own error and those of the four children.
   template <int s>
-  [[gnu::always_inline]] void settle_side(int col, int row, bool level) {
+  [[gnu::always_inline]] void compute_side(int col, int row, bool level) {
     V e = side<s>(col, row, level);
     constexpr int h = s / 2;
     if (s > 1) {
@@ -186,12 +186,12 @@ struct Sorted {
     store(col, row, e);
   }
   template <int s>
-  [[gnu::always_inline]] void settle_centre(int col, int row) {
+  [[gnu::always_inline]] void compute_centre(int col, int row) {
     V e;
     if constexpr (s < kBlock / 2) {
       e = centre<s>(col, row, (((col - s) ^ (row - s)) & (2 * s)) == 0);
     } else {
-      // The diagonal alternates from block to block.
+      // Diagonals alternate between neighbouring blocks.
       const V falling = centre<s>(col, row, true), rising = centre<s>(col, row, false);
       Signed odd_block{};
       for (int lane = 0; lane < kWidth; ++lane) odd_block[lane] = static_cast<Distance>((lane ^ (row >> 3)) & 1);
@@ -201,8 +201,8 @@ struct Sorted {
                larger(load(errors, col, row - s), load(errors, col, row + s)));
     store(col, row, e);
   }
-  /// A level, of the rows that are there; those whose neighbours would be outside the square have no implied vertices,
-  /// and are left out.
+  /// Computes a level, for rows of `present`. Rows with neighbours outside the square have no implied vertices, and are
+  /// left out.
   template <int s>
   [[gnu::always_inline]] void level(const PresentRect& present) {
     const int first = (present.first_row + s - 1) & -s;
@@ -211,22 +211,22 @@ struct Sorted {
       const bool inside = row >= s && row + s < kPageSide;
       for (int col = row_odd ? 0 : s; col < kBlock; col += 2 * s) {
         if (!inside && (s > 1 || row_odd)) break;
-        for (part = 0; part < kLanes; part += kWidth) settle_side<s>(col, row, !row_odd);
+        for (part = 0; part < kLanes; part += kWidth) compute_side<s>(col, row, !row_odd);
       }
     }
     for (int row = first | s; row < present.end_row && row + s < kPageSide; row += 2 * s) {
       for (int col = s; col < kBlock; col += 2 * s) {
-        for (part = 0; part < kLanes; part += kWidth) settle_centre<s>(col, row);
+        for (part = 0; part < kLanes; part += kWidth) compute_centre<s>(col, row);
       }
     }
   }
 
-  /// Other rows keep what they had: it meets nothing that is implied.
+  /// Copies a square in. Rows outside `present` keep old numbers, because no implied error depends on them.
   [[gnu::always_inline]] void take_in(const Distance* square, const PresentRect& present) {
     for (int row = present.first_row; row < present.end_row; ++row) {
       const Distance* from = square + row * kPageSide;
       Unsigned *to = numbers + kRim + row * kPageSide, halves[kPageSide], quarters[kPageSide];
-      // Three times even places first, then odd ones.
+      // Sorts three times: even places first, then odd ones.
       for (int i = 0; i < 64; ++i) {
         halves[i] = static_cast<Unsigned>(from[2 * i]);
         halves[64 + i] = static_cast<Unsigned>(from[2 * i + 1]);
@@ -284,7 +284,7 @@ TALUS_CLONES void compute_lanes(Sorted<double>& s, const double* square, const P
   s.hand_out(implied, present, distances);
 }
 
-/// How many samples are not data in the rectangle from the north-west corner to each sample.
+/// The number of voids in the rectangle from the north-west corner to each sample.
 class VoidCount {
  public:
   explicit VoidCount(std::span<const std::uint8_t> valid) : sums_((kPageSide + 1) * (kPageSide + 1)) {
@@ -307,8 +307,8 @@ class VoidCount {
   std::vector<int> sums_;
 };
 
-/// Whether all that a finest side midpoint's error depends on is data: itself, its ends, and an apex; else no triangle
-/// with data misses it.
+/// Whether a finest side midpoint, its ends and one of its apexes are valid. Its error depends on them alone: without a
+/// valid apex, no triangle with data has the midpoint as a corner.
 struct FinestData {
   const PresentRect& present;
   std::span<const std::uint8_t> valid;
@@ -317,7 +317,7 @@ struct FinestData {
     return col >= present.first_col && col < present.end_col && row >= present.first_row && row < present.end_row &&
            valid[static_cast<std::size_t>(row * kPageSide + col)] != 0;
   }
-  /// `across` 1 where the side runs along the row, else 0
+  /// across  1 if the side lies along the row, otherwise 0
   [[nodiscard]] bool around_side(int col, int row, int across) const {
     const int c = across, r = 1 - across;
     return at(col, row) && at(col - c, row - r) && at(col + c, row + r) &&
@@ -325,7 +325,7 @@ struct FinestData {
   }
 };
 
-/// visit(col, row) for every implied vertex.
+/// Calls visit(col, row) for every implied vertex.
 template <class Visit>
 void for_each_implied(const PresentRect& present, std::span<const std::uint8_t> valid, Visit&& visit) {
   VoidCount voids(valid);
@@ -383,16 +383,16 @@ template class ImpliedErrors<double>;
 
 namespace {
 
-/// Distance of a height from the middle of two others, not too small: 0 and what is exact stay.
+/// Distance of h from the middle of a and b, rounded up unless it is exact.
 double distance_rounded_up(double a, double b, double h) {
-  const auto lost = [](double one, double other, double sum) {  // of one + other, exactly [Knuth's two-sum]
+  const auto lost = [](double one, double other, double sum) {  // exact rounding error of the sum [Knuth's two-sum]
     const double back = sum - one;
     return (one - (sum - back)) + (other - back);
   };
   if (halves_exactly(a, b, h)) return 0;
   const double sum = a + b, middle = sum / 2, d = h - middle;
   const bool exact = lost(a, b, sum) == 0 && middle * 2 == sum && lost(h, -middle, d) == 0;
-  // Of numbers that are not negative the next one has the next bits.
+  // For doubles of at least 0, adding 1 to the bits makes the next double.
   constexpr auto kInfinite = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   const auto bits = std::bit_cast<std::uint64_t>(std::abs(d));
   return std::bit_cast<double>(exact || bits >= kInfinite ? bits : std::min(bits + 2, kInfinite));
@@ -408,7 +408,7 @@ void implied_errors_rounded_up(std::span<const double> square, const PresentRect
   const auto residual = [&](std::size_t i, std::size_t step) {
     return distance_rounded_up(square[i - step], square[i + step], square[i]);
   };
-  // Columns and rows that have a neighbour on either side; a side needs an apex on one.
+  // Columns and rows with neighbours on both sides. A side midpoint needs both ends, and an apex on one side.
   const int first_col = present.first_col + 1, end_col = present.end_col - 1;
   const int first_row = present.first_row + 1, end_row = present.end_row - 1;
   if (present.end_row - present.first_row > 1) {

@@ -53,7 +53,7 @@ StoredErrors::Around StoredErrors::around(const Page& page, const Vertex& v) {
   const GridPoint unit{g.first.col + v.col, g.first.row + v.row};
   Around near;
   const auto below = [&](std::size_t i) { near.below[near.count++] = i; };
-  if (v.col >= s && v.row >= s && v.col + s < g.cols && v.row + s < g.rows) {  // all there: by their distance
+  if (v.col >= s && v.row >= s && v.col + s < g.cols && v.row + s < g.rows) {  // all are at known distances
     const auto row = static_cast<std::size_t>(g.cols), side = static_cast<std::size_t>(s),
                half = static_cast<std::size_t>(h);
     const VertexKind kind = kind_of(unit, s);

@@ -1,6 +1,6 @@
 #pragma once
-// The errors of a page that its heights do not imply: codes on the ladder, each by what it is above the most that
-// the page already says of it.
+// Codes of the errors that a page's heights do not imply. Each code is stored as its difference from a lower bound that
+// follows from the page.
 
 #include <array>
 #include <cstddef>
@@ -12,27 +12,27 @@
 
 namespace talus {
 
-/// Side midpoints and centres of spacing 1, 2, 4 and more, each with and without something to start from.
+/// One for side midpoints and one for centres, of spacings 1, 2, 4 and more, each with lower bound 0 and above 0.
 inline constexpr int kErrorContexts = 16;
 
-/// A vertex's error is at least the distance of its own sample from the middle of its side or diagonal, and at least
-/// its children's errors, which come before it (of a page without heights, those only): finest level first, side
-/// midpoints before centres, row by row.
+/// The lower bound of a vertex's error is the larger of two: the distance of its sample from the middle of its side or
+/// diagonal, if the page has heights, and its children's errors. Children come first: the order is finest level first,
+/// side midpoints before centres, row by row.
 class StoredErrors {
  public:
-  /// `all` codes of own vertices; `page` as decode would have it by now, errors 0. Fills them in.
+  /// Writes the codes `all` of own vertices, and copies them to `page`, which is as get() expects it: its errors are 0.
   void put(const std::vector<ErrorCode>& all, Page& page, const CodeDistance& distance, int context, NumberWriter& out);
-  /// false: a number that no code can be
+  /// returns  false if a number is too large for a code
   [[nodiscard]] bool get(Page& page, const CodeDistance& distance, int context, NumberReader& in);
 
  private:
   struct Vertex {
     std::uint32_t index;
     std::int16_t col, row;  ///< in the page's grid
-    std::int16_t spacing;   ///< in units; 0: a corner above all levels of the page
-    std::uint8_t kind;      ///< context
+    std::int16_t spacing;   ///< in spacings of the band; 0: a corner that is coarser than all levels of the page
+    std::uint8_t kind;      ///< context of the number
   };
-  /// What of a vertex's diamond the page has, by index: both ends of its side or diagonal, and its children.
+  /// Page indices of the ends of a vertex's side or diagonal, and of its children, as far as they are in the page.
   struct Around {
     bool has_ends = false;
     std::array<std::size_t, 2> ends{};
@@ -44,7 +44,7 @@ class StoredErrors {
   [[nodiscard]] ErrorCode at_least(const Page& page, const Vertex& v, const CodeDistance& distance) const;
 
   std::vector<Vertex> vertices_;
-  std::array<std::int32_t, 6> listed_for_{-1};  ///< most pages of a query are alike
+  std::array<std::int32_t, 6> listed_for_{-1};  ///< vertices_ is listed once for pages of one shape
 };
 
 }  // namespace talus

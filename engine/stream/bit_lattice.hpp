@@ -1,5 +1,5 @@
 #pragma once
-// The members of a set among the multiples of one spacing, a bit each: what one level of a quadtree sees of the others.
+// A set of grid points as bits, one for each multiple of a spacing. A level's coder reads the coarser levels this way.
 
 #include <bit>
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace talus {
 
-/// The low 32 bits, apart: bit i becomes bit 2i.
+/// Spreads the low 32 bits: bit i becomes bit 2i.
 [[nodiscard]] constexpr std::uint64_t spread_bits(std::uint64_t v) {
   v &= 0xffffffffu;
   v = (v | v << 16) & 0x0000ffff0000ffffu;
@@ -21,7 +21,7 @@ namespace talus {
   return (v | v << 1) & 0x5555555555555555u;
 }
 
-/// The other way round: bit 2i becomes bit i.
+/// The inverse of spread_bits: bit 2i becomes bit i.
 [[nodiscard]] constexpr std::uint64_t gathered_bits(std::uint64_t v) {
   v &= 0x5555555555555555u;
   v = (v | v >> 1) & 0x3333333333333333u;
@@ -31,8 +31,8 @@ namespace talus {
   return (v | v >> 16) & 0xffffffffu;
 }
 
-/// The multiples of 2^shift in a window, row by row. Columns and rows count in spacings, `first_*` from the grid's
-/// origin; bit i of a row is column first_col + i.
+/// The multiples of 2^shift in a window, row by row. Columns and rows are counted in spacings. `first_col` and
+/// `first_row` are counted from the grid's origin; bit i of a row is column first_col + i.
 struct BitLattice {
   int shift = 0;
   std::int32_t first_col = 0, first_row = 0;
@@ -41,7 +41,7 @@ struct BitLattice {
   std::vector<std::uint64_t> words;
 
   BitLattice() = default;
-  /// None is a member.
+  /// An empty set.
   BitLattice(GridRect window, int log_spacing);
 
   [[nodiscard]] std::uint64_t* row(std::int32_t j) {
@@ -60,14 +60,14 @@ struct BitLattice {
   [[nodiscard]] GridPoint at(std::int32_t i, std::int32_t j) const {
     return {(first_col + i) * (1 << shift), (first_row + j) * (1 << shift)};
   }
-  /// 1 if bit 0 has an odd column: bits of odd columns are then the even ones.
+  /// 1 if bit 0 is an odd column. The even bits are then odd columns.
   [[nodiscard]] unsigned starts_odd() const { return static_cast<unsigned>(first_col) & 1u; }
 };
 
-/// All of a set's members, at spacing 1.
+/// The vertices of a mask, at spacing 1.
 [[nodiscard]] BitLattice bits_of(const VertexMask& mask);
 
-/// Those of the members that are multiples of twice the spacing.
+/// The points of a set that are multiples of twice the spacing.
 [[nodiscard]] BitLattice coarser(const BitLattice& fine, GridRect window);
 
 }  // namespace talus

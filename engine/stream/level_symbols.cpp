@@ -11,9 +11,9 @@
 
 namespace talus {
 
-// Symbol 0 is absent. Others tell the sign and the size of the residual: with v the residual, or its complement where
-// it is negative, b = v >> shift is told up to 12 by the symbol alone; above, the symbol tells the highest bit of b -
-// 12. The bits below follow as they are.
+// Symbol 0 means that a candidate is not a vertex. Other symbols are the sign and size of a residual. Let v be the
+// residual, or its complement if it is negative, and b = v >> shift. Up to 12, b has a symbol of its own. Above, the
+// symbol is the highest bit of b - 12. Lower bits follow without coding.
 
 namespace {
 
@@ -39,7 +39,7 @@ Token token_of(Code residual, int shift) {
           static_cast<std::uint8_t>(high + shift), (e - (std::uint64_t{1} << high)) << shift | low};
 }
 
-/// What a symbol stands for, given the shift.
+/// The residuals that each symbol stands for, at one shift.
 template <class Code>
 struct Meanings {
   std::array<Code, 256> base{}, flip{};
@@ -51,20 +51,20 @@ struct Meanings {
       std::uint64_t first = pair;
       int more = shift;
       if (s >= kFirstLong) {
-        const auto high = std::min(static_cast<int>(pair) - kPlainSizes, 63);  // the last symbols no writer makes
+        const auto high = std::min(static_cast<int>(pair) - kPlainSizes, 63);  // writers do not use the last symbols
         first = (kPlainSizes - 1) + (std::uint64_t{1} << high);
         more += high;
       }
       base[s] = static_cast<Code>(first << shift);
-      // no writer makes such
+      // writers do not use larger ones
       bits[s] = static_cast<std::uint8_t>(more < static_cast<int>(8 * sizeof(Code)) ? more : 0);
     }
   }
 };
 
-/// Contexts, fewer where a level is small.
+/// The contexts of a level's tables. Small levels have fewer.
 enum class Resolution : std::uint8_t { same_tables = 0, kinds = 1, all = 2 };
-constexpr std::size_t kKinds = 4;  // centres, sides, and the loose ones of either
+constexpr std::size_t kKinds = 4;  // strict and loose centres, strict and loose side midpoints
 constexpr std::size_t contexts_of(Resolution r) { return r == Resolution::kinds ? kKinds : kCandidateContexts; }
 std::uint8_t context_at(Resolution r, std::uint8_t context) {
   if (r == Resolution::all) return context;
@@ -78,7 +78,7 @@ std::uint8_t context_at(Resolution r, std::uint8_t context) {
 
 struct SymbolState {
   SymbolTables tables;
-  Resolution resolution = Resolution::same_tables;  ///< of the tables; same_tables: there are none
+  Resolution resolution = Resolution::same_tables;  ///< of the tables; same_tables: there are no tables yet
 };
 
 template <class Code>
@@ -95,13 +95,13 @@ template <class Code>
 using Halves = std::array<std::vector<StripeRecord<Code>>, 2>;
 using Bytes = std::vector<std::byte>;
 
-/// So that most residuals are told by a symbol alone, and the bits below are about even.
+/// The shift at which most residuals have symbols of their own, and at which the lower bits are about random.
 template <class Code>
 int shift_of(const Halves<Code>& halves) {
   double sum = 0, count = 0;
   for (const auto& stripes : halves) {
     for (const auto& stripe : stripes) {
-      std::uint64_t there = 0, sizes = 0;  // absent ones have residual 0
+      std::uint64_t there = 0, sizes = 0;  // absent candidates have residual 0
       for (const std::uint8_t p : stripe.present) there += p;
       for (const Code r : stripe.residuals)
         sizes += std::min<std::uint64_t>(static_cast<std::uint64_t>(r < 0 ? ~r : r), 1u << 30);
@@ -116,7 +116,7 @@ int shift_of(const Halves<Code>& halves) {
 
 void append(Bytes& to, const Bytes& from) { to.insert(to.end(), from.begin(), from.end()); }
 
-/// Lengths of all pieces, then the pieces.
+/// Joins pieces: first the lengths of all, then their bytes.
 Bytes packed(const std::vector<Bytes>& pieces) {
   Bytes out;
   for (const Bytes& piece : pieces) put_variable(out, piece.size());
@@ -130,7 +130,7 @@ std::vector<std::span<const std::byte>> unpacked(std::span<const std::byte> byte
   for (std::size_t i = 0; i < count; ++i) sizes.push_back(in.size());
   std::vector<std::span<const std::byte>> pieces;
   for (const std::size_t size : sizes) pieces.push_back(in.take(size));
-  if (in.left() > 0) refuse("bytes left over in a level");
+  if (in.left() > 0) refuse("a level has bytes after its last stripe");
   return pieces;
 }
 
@@ -166,7 +166,7 @@ Bytes encode_halves(const Halves<Code>& halves, SymbolState& state) {
     const std::size_t to = context_at(Resolution::kinds, static_cast<std::uint8_t>(c));
     for (std::size_t s = 0; s < kMostSymbols; ++s) merged[to][s] += counts[c][s];
   }
-  // The cheapest of new tables and the last ones.
+  // Chooses new tables of either resolution, or the last tables, whichever need the fewest bits.
   struct Choice {
     Resolution resolution;
     SymbolTables tables;
@@ -265,21 +265,21 @@ LevelDecoder<Code>::~LevelDecoder() = default;
 template <class Code>
 std::size_t LevelDecoder<Code>::start(std::span<const std::byte> bytes) {
   stripes_[0].clear(), stripes_[1].clear();
-  if (bytes.empty()) return 1;  // all are absent
+  if (bytes.empty()) return 1;  // no candidate is a vertex
   VariableReader in(bytes);
   const std::size_t count = in.size();
-  if (count < 1 || count > bytes.size()) refuse("an impossible number of stripes");
+  if (count < 1 || count > bytes.size()) refuse(fmt::format("a level has {} stripes", count));
   const int shift = std::to_integer<int>(in.take(1)[0]);
-  if (shift >= static_cast<int>(8 * sizeof(Code))) refuse("an impossible shift of residuals");
+  if (shift >= static_cast<int>(8 * sizeof(Code))) refuse(fmt::format("residuals have a shift of {} bits", shift));
   const auto resolution = std::to_integer<unsigned>(in.take(1)[0]);
   if (resolution > 2 || (resolution == 0 && state_->resolution == Resolution::same_tables))
-    refuse("no tables of symbols");
+    refuse("a level has no tables of symbols");
   if (resolution != 0) {
     state_->resolution = static_cast<Resolution>(resolution);
     const std::size_t size = in.size();
     BitReader table(in.take(size));
     if (!state_->tables.read(table, contexts_of(state_->resolution)) || !table.is_intact())
-      refuse("damaged tables of symbols");
+      refuse("the tables of symbols are damaged");
   }
   const auto meanings = std::make_shared<const Meanings<Code>>(shift);
   const auto pieces = unpacked(in.take(in.left()), 2 * count * 2);  // symbols and raw bits of each stripe

@@ -1,8 +1,8 @@
 #pragma once
-// What the candidates of a level are, as bytes. docs/format/rqt-v1.md, section 7.
+// Codes which candidates of a level are vertices, and their residuals. docs/format/rqt-v1.md, section 7.
 //
-// Rows of a level are cut into stripes, of about as many rows each. Stripes are coded apart, so that several threads can
-// take them; what is expected of a candidate does not depend on its stripe.
+// A level is cut into stripes of about the same number of rows. Each stripe is coded alone, so several threads can work
+// at once. The prediction of a candidate does not depend on its stripe.
 
 #include <array>
 #include <cstddef>
@@ -15,23 +15,23 @@
 
 namespace talus {
 
-/// First row of a stripe; of `stripes`, one past the last row.
+/// First row of a stripe. For stripe = stripes, one past the last row.
 [[nodiscard]] constexpr std::int32_t stripe_row(std::int32_t rows, std::size_t stripes, std::size_t stripe) {
   return static_cast<std::int32_t>(static_cast<std::int64_t>(rows) * static_cast<std::int64_t>(stripe) /
                                    static_cast<std::int64_t>(stripes));
 }
 
-/// What a walk told of one stripe of half a level.
+/// The candidates of one stripe of half a level, as a walk found them.
 template <class Code>
 struct StripeRecord {
-  std::vector<std::size_t> rows;  ///< candidates of each
+  std::vector<std::size_t> rows;  ///< number of candidates in each row
   std::vector<std::uint8_t> contexts, present;
-  std::vector<Code> residuals;  ///< of absent ones: 0
+  std::vector<Code> residuals;  ///< 0 for absent candidates
 
   void take(const CandidateRow<Code>& row);
 };
 
-/// Tables may serve the next level, too.
+/// The tables of symbols, which the next level may use again.
 struct SymbolState;
 
 template <class Code>
@@ -41,7 +41,7 @@ class LevelEncoder {
   ~LevelEncoder();
   LevelEncoder(const LevelEncoder&) = delete;
   LevelEncoder& operator=(const LevelEncoder&) = delete;
-  /// halves  centres and sides: a record for each stripe
+  /// halves  centres, then side midpoints: a record for each stripe
   [[nodiscard]] std::vector<std::byte> encode(std::array<std::vector<StripeRecord<Code>>, 2> const& halves);
 
  private:
@@ -55,13 +55,13 @@ class LevelDecoder {
   ~LevelDecoder();
   LevelDecoder(const LevelDecoder&) = delete;
   LevelDecoder& operator=(const LevelDecoder&) = delete;
-  /// The bytes of the next level; they must stay. Returns the number of stripes.
-  /// fails  corrupt: anything they cannot be
+  /// Begins the next level, and returns its number of stripes. `bytes` must live as long as the level is decoded.
+  /// fails  corrupt: no writer makes such bytes
   [[nodiscard]] std::size_t start(std::span<const std::byte> bytes);
-  /// Tells what the candidates of a row are. Stripes may be taken by several threads, the rows of each in order, the
-  /// centres of all before any sides.
+  /// Decodes the candidates of a row. Several threads may decode stripes at once. The rows of a stripe come in order,
+  /// and the centres of all stripes before any side midpoints.
   void take(std::size_t half, std::size_t stripe, CandidateRow<Code>& row);
-  /// Whether each stripe was read to its end.
+  /// Whether each stripe was read exactly to its end.
   [[nodiscard]] bool is_intact() const;
 
   struct Stripe;

@@ -5,7 +5,7 @@
 namespace talus {
 namespace {
 
-// Thresholds in eighths of the tolerance.
+// Thresholds are in eighths of the tolerance.
 [[gnu::always_inline]] inline int energy_class(int sum) { return int{sum >= 9} + int{sum >= 16} + int{sum >= 28}; }
 [[gnu::always_inline]] inline int distance_class(int size) { return int{size >= 2} + int{size >= 5} + int{size >= 9}; }
 
@@ -13,10 +13,10 @@ template <class Code>
 [[gnu::always_inline]] inline void expect_each(const Expectations<Code>& c, float scale, int kind) {
   const int first = kind * kEnergies * kDistances;
   const std::size_t count = c.count;
-  // None of these overlap, which is said so that the loops become vectors.
+  // __restrict: no arrays overlap, so the compiler can use vectors.
   const Code* __restrict end1 = c.end1, * __restrict end2 = c.end2, * __restrict beside1 = c.beside1, * __restrict beside2 = c.beside2;
   Code* __restrict predicted = c.predicted, * __restrict flips = c.flips;
-  std::uint8_t* __restrict contexts = c.contexts;  // first the distance between the two predictions
+  std::uint8_t* __restrict contexts = c.contexts;  // at first the distance between both predictions
   for (std::size_t i = 0; i < count; ++i) {
     const Code middle = halfway(end1[i], end2[i]);
     predicted[i] = middle;

@@ -1,13 +1,12 @@
 #pragma once
-// From the vertices of a quadtree down to one spacing to those down to half of it: which grid points may be vertices,
-// what is expected of each, and the heights of those that are. Writers and readers of streams take the same walk; a
-// coder says, or is told, what a candidate is. [P98 §3; docs/format/rqt-v1.md, sections 5 and 6]
+// Adds a level of half the spacing to the vertices of coarser levels: which grid points may be vertices, the predicted
+// height of each, and the heights of the vertices. Writers and readers use the same walk. A coder says which candidates
+// are vertices: it knows the answer, or reads the stream. [P98 §3; docs/format/rqt-v1.md, sections 5 and 6]
 //
-// A grid point is a candidate if all corners of its diamond that lie in the window are vertices: closed sets have
-// vertices nowhere else. Amid voids and beyond a region they may; there, where one parent is a vertex, a point is a
-// loose candidate. What is neither must be known beforehand. A level has two halves, centres and then side midpoints,
-// and what is expected depends on earlier halves alone. So the rows of a half may be walked in any order, or by several
-// threads.
+// A grid point is a strict candidate if all corners of its diamond in the window are vertices. Other points may be
+// vertices only amid voids and outside a region. There, a point with one parent is a loose candidate. All others must
+// be known beforehand. A level has two halves: centres, then side midpoints. A prediction depends on earlier halves
+// only, so the rows of a half may be walked in any order and by several threads.
 
 #include <algorithm>
 #include <array>
@@ -25,20 +24,20 @@
 
 namespace talus {
 
-/// Contexts of candidates: what is expected, by kind of vertex, by how large the residuals of the parents were, and by
-/// how far the two predictions lie apart.
+/// Contexts of strict candidates. They differ in the kind of vertex, the size of the parents' residuals, and the
+/// distance between the two predictions.
 inline constexpr int kEnergies = 4, kDistances = 4;
 inline constexpr int kStrictContexts = 2 * kEnergies * kDistances;
-/// Behind them, two for loose candidates.
+/// Two more contexts are for loose centres and loose side midpoints.
 inline constexpr int kCandidateContexts = kStrictContexts + 2;
 
-/// Half the way between two codes, rounded down, whatever they are.
+/// The mean of two codes, rounded down, without overflow.
 template <class Code>
 [[nodiscard]] constexpr Code halfway(Code a, Code b) {
   return static_cast<Code>((a & b) + ((a ^ b) >> 1));
 }
 
-/// a − b without overflow.
+/// a − b, which wraps around.
 template <class Code>
 [[nodiscard]] constexpr Code wrapped_difference(Code a, Code b) {
   using Word = std::make_unsigned_t<Code>;
@@ -50,7 +49,7 @@ template <class Code>
   return static_cast<Code>(static_cast<Word>(a) + static_cast<Word>(b));
 }
 
-/// Sizes of residuals in eighths of the tolerance, as far as a byte goes.
+/// Measures residuals in eighths of the tolerance, at most 255.
 class Scale {
  public:
   /// tolerance  in height codes
@@ -70,60 +69,60 @@ class Scale {
   float factor_;
 };
 
-/// Many candidates side by side, for the widest vectors there are.
+/// Arrays of many candidates, for vector instructions.
 template <class Code>
 struct Expectations {
   std::size_t count = 0;
   const Code *end1 = nullptr, *end2 = nullptr, *beside1 = nullptr, *beside2 = nullptr;
-  const std::uint8_t *size1 = nullptr, *size2 = nullptr;  ///< of the residuals of those beside
+  const std::uint8_t *size1 = nullptr, *size2 = nullptr;  ///< residual sizes of the vertices beside
   Code *predicted = nullptr, *flips = nullptr;
   std::uint8_t* contexts = nullptr;
 };
-/// What is expected of strict candidates: halfway between the ends of the diamond; where the vertices beside stand
-/// higher than that, rather more.
+/// Predicts strict candidates: the middle between the ends of the diamond. `flips` are set if the vertices beside lie
+/// lower, because the residual is then likely to be negative.
 void expect_all(const Expectations<std::int32_t>& candidates, float scale, int kind);
 void expect_all(const Expectations<std::int64_t>& candidates, float scale, int kind);
-/// Heights and sizes of what was told.
+/// Computes the heights and residual sizes of candidates from their residuals.
 void settle_all(std::size_t count, const std::int32_t* predicted, const std::int32_t* flips,
                 const std::int32_t* residuals, float scale, std::int32_t* heights, std::uint8_t* sizes);
 void settle_all(std::size_t count, const std::int64_t* predicted, const std::int64_t* flips,
                 const std::int64_t* residuals, float scale, std::int64_t* heights, std::uint8_t* sizes);
 
-/// Vertices down to a spacing, row by row.
+/// The vertices of a level and all coarser levels, row by row.
 template <class Code>
 struct LevelVertices {
   BitLattice bits;
-  std::vector<std::size_t> row_start;  ///< of `heights`, by row, and one past the end
+  std::vector<std::size_t> row_start;  ///< index in `heights` of each row's first vertex, and of the end
   Array<Code> heights;
-  Array<std::uint8_t> sizes;  ///< of their residuals: Scale
+  Array<std::uint8_t> sizes;  ///< sizes of their residuals, see Scale
 };
 
-/// Vertices of one half of a level that are there whatever the coder says, row by row.
+/// Vertices of one half of a level that are known before it is coded, row by row.
 template <class Code>
 struct KnownVertices {
   std::vector<GridPoint> points;
   std::vector<Code> heights;
 };
 
-/// Candidates of a row, strict ones first, each kind from the west. All arrays have room for `count`.
+/// The candidates of a row: first the strict ones from the west, then the loose ones. Arrays have `count` elements.
 template <class Code>
 struct CandidateRow {
-  std::int32_t row = 0;  ///< of the level's lattice
+  std::int32_t row = 0;  ///< row of the level's lattice
   std::size_t count = 0;
   const std::uint32_t* columns = nullptr;
   const std::uint8_t* contexts = nullptr;
   const Code* predicted = nullptr;
-  const Code* flips = nullptr;      ///< all bits set where a residual is expected to be negative
-  std::uint8_t* present = nullptr;  ///< to be told: 1 for a vertex
-  Code* residuals = nullptr;        ///< to be told: code − predicted, all bits turned where `flips` are set
+  const Code* flips = nullptr;      ///< all bits set if the residual is likely to be negative
+  std::uint8_t* present = nullptr;  ///< filled by the coder: 1 for a vertex
+  Code* residuals = nullptr;        ///< filled by the coder: code − predicted, inverted if `flips` is set
 };
 
 template <class Code>
 class LevelWalk {
  public:
-  /// window  of all vertices
+  /// window  rectangle of all vertices
   /// coarse  the vertices down to twice the spacing
-  /// most    vertices of a part: a writer's word, which is believed no further
+  /// most    number of vertices that the writer promised; more are corrupt
   LevelWalk(GridRect window, const LevelVertices<Code>& coarse, Scale scale, bool has_loose, std::size_t most)
       : window_(window), coarse_(coarse), scale_(scale), has_loose_(has_loose), most_(most) {
     fine_.bits = BitLattice(window, coarse.bits.shift - 1);
@@ -137,15 +136,15 @@ class LevelWalk {
     std::vector<std::size_t> row_sizes;
   };
 
-  /// The centres of some rows. coder(CandidateRow&) tells of each row, from the north.
+  /// Walks the centres of some rows. coder(CandidateRow&) fills in each row, from the north.
   template <class Coder>
   [[nodiscard]] WalkedRows centres(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known,
                                    Coder&& coder) {
     return walk<true>(first, last, known, coder);
   }
-  /// The parts of the centres, from the north.
+  /// Joins the parts of the centres, from the north.
   void take_centres(std::vector<WalkedRows>&& parts) { join(centres_, std::move(parts)); }
-  /// The side midpoints of some rows; the part holds all vertices there.
+  /// Walks the side midpoints of some rows. The result has all vertices of these rows.
   template <class Coder>
   [[nodiscard]] WalkedRows sides(std::int32_t first, std::int32_t last, const KnownVertices<Code>& known,
                                  Coder&& coder) {
@@ -157,10 +156,10 @@ class LevelWalk {
   [[nodiscard]] LevelVertices<Code> take_vertices() { return std::move(fine_); }
 
  private:
-  /// A row of the lattice with room around it: heights by column, and what is none holds anything.
+  /// A row of the lattice, with a margin. heights: by column; the number at a column without a vertex means nothing.
   struct Row {
-    std::vector<std::uint64_t> bits;  // a word of zeros before and behind
-    std::vector<Code> heights;        // a word's worth before and behind
+    std::vector<std::uint64_t> bits;  // with a word of zeros at both ends
+    std::vector<Code> heights;        // with 64 unused heights at both ends
     std::vector<std::uint8_t> sizes;
     explicit Row(std::size_t words) : bits(words + 2), heights((words + 2) * 64), sizes((words + 2) * 64) {}
     [[nodiscard]] std::uint64_t* words() { return bits.data() + 1; }
@@ -170,7 +169,7 @@ class LevelWalk {
       return (bits[static_cast<std::size_t>(i + 64) / 64] >> (static_cast<std::size_t>(i + 64) % 64) & 1u) != 0;
     }
   };
-  // Bit i is that of column i − 1, i + 1.
+  // Bit i of the result is column i − 1 (west) or i + 1 (east).
   static std::uint64_t west(const std::uint64_t* b) { return b[0] << 1 | b[-1] >> 63; }
   static std::uint64_t east(const std::uint64_t* b) { return b[0] >> 1 | b[1] << 63; }
 
@@ -219,13 +218,13 @@ class LevelWalk {
     }
   }
 
-  /// What a row's candidates are, in words.
+  /// Which columns of a row are candidates or known vertices, as bits.
   struct RowBits {
     std::vector<std::uint64_t> strict, loose, known;
     explicit RowBits(std::size_t words) : strict(words), loose(words), known(words) {}
   };
 
-  /// Columns of the lattice, in the last word.
+  /// The bits of word w that are columns of the lattice.
   [[nodiscard]] std::uint64_t inside(std::size_t w) const {
     const int left = fine_.bits.cols - static_cast<std::int32_t>(64 * w);
     return left >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
@@ -233,7 +232,7 @@ class LevelWalk {
 
   void find_centres(RowBits& bits, std::int32_t j, Row& above, Row& below) const {
     const BitLattice& f = fine_.bits;
-    // Columns and rows of squares in squares: where their sum is even the apexes stand north-east and south-west.
+    // A centre lies in a square of the coarser lattice. If column + row is even, apexes are north-east and south-west.
     const int row_parity = ((f.first_row + j) >> 1) & 1;
     std::uint64_t even_squares = 0;  // centres whose square has an even column
     for (int i = 0; i < 64; ++i) even_squares |= ((f.first_col + i) & 3) == 1 ? std::uint64_t{1} << i : 0;
@@ -275,7 +274,7 @@ class LevelWalk {
         if (first_row) one = ~std::uint64_t{0};
         if (last_row) two = ~std::uint64_t{0};
       }
-      // A window of one row or column has no triangles, and no strict candidates.
+      // `real`: a window of one row or column has no triangles and no strict candidates.
       bits.strict[w] = ends & one & two & real & columns & ~bits.known[w];
       if (has_loose_) bits.loose[w] = real & columns & inside(w) & ~bits.strict[w] & ~bits.known[w];
     }
@@ -300,7 +299,7 @@ class LevelWalk {
           flips(n),
           residuals(n),
           heights(n) {}
-    /// From two ends and two vertices beside them.
+    /// Adds a strict candidate: its column, the heights of both ends and of both vertices beside.
     [[gnu::always_inline]] void put(std::size_t n, std::size_t i, Code a, Code b, Code c, Code d, std::uint8_t size_c,
                                     std::uint8_t size_d) {
       columns[n] = static_cast<std::uint32_t>(i);
@@ -309,7 +308,7 @@ class LevelWalk {
     }
   };
 
-  /// A loose one: from what there is.
+  /// Predicts a loose candidate from the corners of its diamond that are vertices.
   void expect_loose(Room& room, std::size_t n, std::size_t i, std::int32_t j, Row& above, Row& row, Row& below,
                     int kind) const {
     Code predicted = 0;
@@ -379,7 +378,7 @@ class LevelWalk {
     return part;
   }
 
-  /// Of its residual, where it has one; else as one that is just not within the tolerance.
+  /// The residual size of a known vertex; 8, which is the tolerance, if an end of its diamond is missing.
   template <bool are_centres>
   [[nodiscard]] std::uint8_t size_of_known(std::size_t i, std::int32_t j, Code height, Row& above, Row& row,
                                            Row& below) const {
@@ -389,7 +388,7 @@ class LevelWalk {
         wrapped_difference(height, halfway(one.first->height()[one.second], two.first->height()[two.second])));
   }
 
-  /// Where the ends of a vertex's diamond stand.
+  /// The row and column of a corner of a vertex's diamond.
   using Stand = std::pair<Row*, std::int64_t>;
   [[nodiscard]] std::pair<Stand, Stand> ends(std::size_t i, std::int32_t j, int kind, Row& above, Row& row,
                                              Row& below) const {
@@ -416,7 +415,7 @@ class LevelWalk {
            0;
   }
 
-  /// On the window's sides the one vertex beside stands for both.
+  /// Copies the inner vertex beside to the outer place, on the sides of the window.
   void mirror_border(Row& above, Row& row, Row& below, std::int32_t j) const {
     const BitLattice& f = fine_.bits;
     if (is_odd(j)) {
@@ -515,7 +514,7 @@ class LevelWalk {
       }
     }
     const auto count = static_cast<std::size_t>(height - part.heights.data());
-    if (count > most_) throw Failure(Cause::corrupt, "corrupt: more vertices than the header says");
+    if (count > most_) throw Failure(Cause::corrupt, "corrupt: a part has more vertices than it says");
     part.heights.resize(count);
     part.sizes.resize(count);
     part.row_sizes.push_back(count - begin);

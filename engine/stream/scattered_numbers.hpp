@@ -1,5 +1,5 @@
 #pragma once
-// A few vertices of a stream anywhere on its grid, one number after the other: docs/format/rqt-v1.md, section 6.
+// Codes a few vertices of a stream that may lie anywhere on its grid, as numbers. docs/format/rqt-v1.md, section 6.
 
 #include <algorithm>
 #include <bit>
@@ -36,7 +36,7 @@ inline std::uint64_t folded(std::int64_t v) {
 }
 inline std::int64_t unfolded(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (~(v & 1) + 1)); }
 
-/// Expects heights of scattered vertices, row by row: the height of the nearest one before it in its row or column.
+/// Predicts heights of scattered vertices, row by row: the height of the nearest earlier vertex in its row or column.
 class Neighbourhood {
  public:
   struct Guess {
@@ -96,7 +96,7 @@ void take_heights(NumberReader& in, Scattered<Code>& vertices) {
   }
 }
 
-/// Points row by row, as multiples of a spacing in the window.
+/// Writes points row by row. Each is a point of the lattice.
 inline void put_points(NumberWriter& out, const BitLattice& lattice, std::span<const GridPoint> points) {
   out.put(points.size(), kCount);
   std::int32_t row = 0, col = 0;
@@ -109,11 +109,11 @@ inline void put_points(NumberWriter& out, const BitLattice& lattice, std::span<c
     row = j, col = i + 1;
   }
 }
-/// accept(p) says whether there may be a vertex.
+/// Reads points. accept(p) says whether a vertex may be at p.
 template <class Accept>
 std::vector<GridPoint> take_points(NumberReader& in, const BitLattice& lattice, std::uint64_t most, Accept&& accept) {
   const std::uint64_t count = in.get(kCount);
-  if (count > most) refuse_stream(fmt::format("{} scattered vertices", count));
+  if (count > most) refuse_stream(fmt::format("{} scattered vertices are too many", count));
   std::vector<GridPoint> points;
   std::uint64_t row = 0, col = 0;
   for (std::uint64_t k = 0; k < count; ++k) {
@@ -123,10 +123,10 @@ std::vector<GridPoint> take_points(NumberReader& in, const BitLattice& lattice, 
     if (down >= static_cast<std::uint64_t>(lattice.rows) || right >= static_cast<std::uint64_t>(lattice.cols) ||
         row + down >= static_cast<std::uint64_t>(lattice.rows) ||
         col + right >= static_cast<std::uint64_t>(lattice.cols))
-      refuse_stream("a vertex outside the window");
+      refuse_stream("a scattered vertex lies outside the window");
     row += down, col += right;
     points.push_back(lattice.at(static_cast<std::int32_t>(col), static_cast<std::int32_t>(row)));
-    if (!accept(points.back())) refuse_stream("a vertex of another level, or one that is there already");
+    if (!accept(points.back())) refuse_stream("a scattered vertex is of another level, or a duplicate");
     ++col;
   }
   return points;

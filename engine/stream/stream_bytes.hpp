@@ -1,5 +1,5 @@
 #pragma once
-// Numbers of a stream as bytes, little endian, and checksums over them.
+// Writes and reads the numbers of a stream as little-endian bytes, with checksums.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace talus {
 
-/// XXH3 of 64 bits.
+/// The XXH3 checksum of 64 bits.
 [[nodiscard]] std::uint64_t stream_checksum(std::span<const std::byte> bytes, std::uint64_t seed);
 
 class StreamWriter {
@@ -37,12 +37,12 @@ class StreamWriter {
     bytes.insert(bytes.end(), raw.begin(), raw.end());
   }
   void put(std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); }
-  /// A checksum over what was put since `begin`, seeded with the one before.
+  /// Appends a checksum of the bytes from `begin` on. Its seed is the checksum before it.
   void seal(std::size_t begin) {
     seed_ = stream_checksum(std::span(bytes).subspan(begin), seed_);
     put(seed_);
   }
-  /// The same, of which half is put.
+  /// The same, but appends only the low half of the checksum.
   void seal_short(std::size_t begin) {
     seed_ = stream_checksum(std::span(bytes).subspan(begin), seed_);
     put(static_cast<std::uint32_t>(seed_));
@@ -53,7 +53,7 @@ class StreamWriter {
   std::uint64_t seed_ = 0;
 };
 
-/// Takes numbers one after the other; what is not there is corrupt. `origin` is where the bytes stand in the stream.
+/// Reads numbers one after the other. Missing bytes are corrupt. origin: the place of `bytes` in the stream.
 class StreamTaker {
  public:
   explicit StreamTaker(std::span<const std::byte> bytes, std::size_t origin = 0) : bytes_(bytes), origin_(origin) {}
@@ -98,14 +98,14 @@ class StreamTaker {
   std::size_t origin_, at_ = 0;
 };
 
-/// A length as one byte or more: seven bits each, the low ones first, the highest bit set in all but the last.
+/// Writes a length in bytes of seven bits, low bits first. All bytes but the last have the highest bit set.
 inline void put_variable(std::vector<std::byte>& out, std::uint64_t value) {
   for (; value >= 128; value >>= 7) out.push_back(static_cast<std::byte>(value & 127) | std::byte{128});
   out.push_back(static_cast<std::byte>(value));
 }
 
 /// Reads such lengths, and the bytes that follow them.
-/// fails  corrupt: what is not there
+/// fails  corrupt: missing bytes
 class VariableReader {
  public:
   explicit VariableReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -117,11 +117,11 @@ class VariableReader {
       v |= (byte & 127) << shift;
       if (byte < 128) return v;
     }
-    throw Failure(Cause::corrupt, "corrupt: a length of more than nine bytes");
+    throw Failure(Cause::corrupt, "corrupt: a length has more than nine bytes");
   }
   [[nodiscard]] std::size_t size() { return static_cast<std::size_t>(value()); }
   [[nodiscard]] std::span<const std::byte> take(std::size_t count) {
-    if (count > bytes_.size()) throw Failure(Cause::corrupt, "corrupt: a length beyond the bytes");
+    if (count > bytes_.size()) throw Failure(Cause::corrupt, "corrupt: a length exceeds the bytes that follow");
     const auto taken = bytes_.first(count);
     bytes_ = bytes_.subspan(count);
     return taken;

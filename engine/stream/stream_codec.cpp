@@ -1,7 +1,6 @@
-// A header, then one part a level. Each ends with a checksum that is seeded with the one before it, so that no part can
-// stand in another's place or another's stream. Whatever is read is held against what is left before anything is
-// allocated, and memory grows with the vertices that the header admits to, but for masks, which have a limit of their
-// own.
+// A stream is a header and a part for each level. Each ends with a checksum whose seed is the checksum before it, so a
+// part cannot replace another part or come from another stream. A reader compares each count with the bytes that are
+// left before it allocates memory. Memory grows with the number of vertices in the header; masks have their own limit.
 
 #include "engine/stream/stream_codec.hpp"
 
@@ -16,16 +15,16 @@
 
 #include "engine/quadtree/grid.hpp"
 #include "engine/quadtree/merge.hpp"
+#include "engine/stream/height_codes.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "engine/stream/stream_header.hpp"
-#include "engine/stream/stream_heights.hpp"
 #include "engine/stream/stream_levels.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
 namespace {
 
-constexpr std::size_t kFrame = 12;  ///< of a part: length, vertices, checksum
+constexpr std::size_t kFrame = 12;  ///< bytes of a part's length, vertices and checksum
 
 const RestrictedQuadtree& quadtree_of(const Stream& stream) {
   if (const auto* increment = std::get_if<Increment>(&stream.content)) return increment->added;
@@ -45,9 +44,9 @@ StreamHeader header_of(const Stream& stream, const RestrictedQuadtree* base) {
   if (q.heights.size() != n || (!q.covers.empty() && q.covers.size() != n) ||
       (!q.level_errors.empty() && q.level_errors.size() != root_of(d.extent) + 1) || q.region.cols() < 1 ||
       q.region.rows() < 1)
-    refuse_argument("a quadtree whose region, heights, covers or level errors do not fit it cannot be written");
+    refuse_argument("cannot write a quadtree whose region, heights, covers or level errors do not fit its vertices");
   if (increment != nullptr) {
-    if (base == nullptr) refuse_argument("an increment is written beside the answer that it goes on from");
+    if (base == nullptr) refuse_argument("cannot write an increment without the answer that it continues");
     require_fit(*base, *increment);
   }
   StreamHeader h;
@@ -113,7 +112,7 @@ struct Frame {
   std::uint64_t seal = 0;
 };
 
-/// The next part, if all of it is there. at: where it stands in the stream.
+/// The next part; empty if bytes are missing. at: its place in the stream.
 std::optional<Frame> take_frame(std::span<const std::byte> bytes, std::size_t at, std::uint64_t seed) {
   if (bytes.size() < kFrame) return std::nullopt;
   StreamTaker in(bytes, at);
@@ -124,11 +123,11 @@ std::optional<Frame> take_frame(std::span<const std::byte> bytes, std::size_t at
   frame.payload = in.take(length);
   frame.bytes = kFrame + length;
   frame.seal = stream_checksum(bytes.first(frame.bytes - 4), seed);
-  if (in.take<std::uint32_t>() != static_cast<std::uint32_t>(frame.seal)) StreamTaker::refuse(at, "checksum");
+  if (in.take<std::uint32_t>() != static_cast<std::uint32_t>(frame.seal)) StreamTaker::refuse(at, "wrong checksum");
   return frame;
 }
 
-/// Of a sentence that lacks it, where it shows.
+/// Adds the byte to the sentence of a failure that lacks it.
 template <class Work>
 void located(std::size_t at, Work&& work) {
   try {
@@ -147,7 +146,7 @@ struct StreamDecoder::State {
   const RestrictedQuadtree* base;
   int threads;
   std::vector<std::byte> waiting;
-  std::size_t used = 0;  ///< bytes before those that wait
+  std::size_t used = 0;  ///< bytes of the stream before `waiting`
   std::optional<StreamHeader> header;
   std::uint64_t seed = 0;
   std::size_t parts = 0;
@@ -157,14 +156,14 @@ struct StreamDecoder::State {
   void start() {
     seed = header->seal;
     if (header->is_increment) {
-      if (base == nullptr) refuse_argument("an increment cannot be read without the answer that it goes on from");
+      if (base == nullptr) refuse_argument("cannot read an increment without the answer that it continues");
       Increment increment;
       increment.added = header->quadtree;
       increment.added.vertices = VertexMask(header->window);
       increment.from = header->from;
       require_fit(*base, increment);
       if (digest_of(*base) != header->base)
-        refuse_argument("the increment goes on from another answer: its vertices or heights differ");
+        refuse_argument("the increment continues another answer: vertices or heights differ");
     } else {
       base = nullptr;
     }
@@ -172,12 +171,12 @@ struct StreamDecoder::State {
     const auto begin = [&]<class Code>(std::unique_ptr<PartsDecoder<Code>>& decoder) {
       const auto codes =
           codes_of<Code>(coding, base != nullptr ? std::span<const double>(base->heights) : std::span<const double>());
-      if (!codes) StreamTaker::refuse(0, "heights of the base have no code");
+      if (!codes) StreamTaker::refuse(0, "the base has a height that is not a multiple of the step");
       decoder = std::make_unique<PartsDecoder<Code>>(*header, base, *codes, threads);
     };
     header->is_wide ? begin(wide) : begin(narrow);
   }
-  /// As far as whole parts go.
+  /// Decodes the parts that are whole.
   void go_on(std::span<const std::byte> bytes, std::size_t& at) {
     if (!header) {
       header = take_header(bytes, limits);
@@ -220,9 +219,9 @@ void StreamDecoder::add(std::span<const std::byte> bytes) {
   }
   s.used += at;
   if (s.header && s.parts == s.header->parts) {
-    if (!s.waiting.empty()) StreamTaker::refuse(s.used, fmt::format("{} bytes left over", s.waiting.size()));
+    if (!s.waiting.empty()) StreamTaker::refuse(s.used, fmt::format("{} bytes after the last part", s.waiting.size()));
     if (s.vertices() != s.header->vertices)
-      StreamTaker::refuse(s.used, fmt::format("{} vertices, the header says {}", s.vertices(), s.header->vertices));
+      StreamTaker::refuse(s.used, fmt::format("{} vertices, but the header says {}", s.vertices(), s.header->vertices));
   }
 }
 
@@ -244,7 +243,7 @@ Stream StreamDecoder::stream() const {
   const State& s = *state_;
   if (s.parts == 0) require_whole();
   const StreamHeader& h = *s.header;
-  if (h.quadtree.origin.border != Border::constrain) require_whole();  // only all of it covers its region
+  if (h.quadtree.origin.border != Border::constrain) require_whole();  // only a whole one covers its region
   Stream stream;
   stream.description = h.description;
   RestrictedQuadtree q;
@@ -301,7 +300,7 @@ StreamInfo stream_info(std::span<const std::byte> bytes, const StreamLimits& lim
     at += frame->bytes;
     seed = frame->seal;
   }
-  if (at != bytes.size()) StreamTaker::refuse(at, fmt::format("{} bytes left over", bytes.size() - at));
+  if (at != bytes.size()) StreamTaker::refuse(at, fmt::format("{} bytes after the last part", bytes.size() - at));
   return info;
 }
 

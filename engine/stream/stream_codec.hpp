@@ -1,5 +1,5 @@
 #pragma once
-// An answer or an increment, and the bytes it becomes: docs/format/rqt-v1.md.
+// Encodes an answer or an increment as bytes, and decodes it. docs/format/rqt-v1.md.
 
 #include <cstddef>
 #include <span>
@@ -9,29 +9,28 @@
 
 namespace talus {
 
-/// decode(encode(x)) is x, heights bit for bit. Pure: the same stream gives the same bytes anywhere, whatever the
-/// threads.
-/// fails  invalid_argument: a quadtree whose heights, covers or level errors do not fit it; an increment without its
-///        base, or that does not fit it
+/// Encodes a stream. Decoding gives the same stream, with the same bits of all heights. The bytes depend neither on the
+/// machine nor on the number of threads.
+/// fails  invalid_argument: heights, covers or level errors that do not fit the quadtree; an increment without a base,
+///        or with a base that does not fit
 [[nodiscard]] std::vector<std::byte> encode(const Stream& stream, const StreamOptions& options = {},
                                             const RestrictedQuadtree* base = nullptr);
 
-/// fails  corrupt, with the byte where it shows: anything the bytes of a stream cannot be, bytes that are missing or
-///        left over; unsupported: another version, more than the limits allow; invalid_argument: an increment that does
-///        not go on from `base`
+/// fails  corrupt, with the byte: damaged, missing or additional bytes; unsupported: another version, or more than the
+///        limits allow; invalid_argument: the increment does not continue `base`
 [[nodiscard]] Stream decode_stream(std::span<const std::byte> bytes, const StreamLimits& limits = {},
                                    const RestrictedQuadtree* base = nullptr, int threads = 0);
 
-/// As read_stream_info, of bytes.
+/// Same as read_stream_info, for bytes in memory.
 [[nodiscard]] StreamInfo stream_info(std::span<const std::byte> bytes, const StreamLimits& limits = {});
 
-/// What the whole parts at the front of cut bytes hold.
+/// The answer in the whole parts of a stream whose end is missing.
 struct StreamPrefix {
   Stream stream;
-  std::size_t parts = 0, parts_in_all = 0, bytes = 0;  ///< `bytes` were used
+  std::size_t parts = 0, parts_in_all = 0, bytes = 0;  ///< bytes: used bytes
 };
 
-/// fails  as decode_stream, but for bytes that are missing behind the first part
+/// fails  as decode_stream, except for bytes that are missing after the first part
 [[nodiscard]] StreamPrefix decode_stream_prefix(std::span<const std::byte> bytes, const StreamLimits& limits = {},
                                                 const RestrictedQuadtree* base = nullptr);
 

@@ -15,7 +15,7 @@ std::uint64_t key(GridPoint p) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(p.col)) << 32 | static_cast<std::uint32_t>(p.row);
 }
 
-/// Which of its right angle's four triangles stands on a diamond's side: a bit of RestrictedQuadtree::covers.
+/// The bit of RestrictedQuadtree::covers for the triangle that `split` divides and that has its right angle at `apex`.
 int bit_of(GridPoint apex, const Diamond& split) {
   const Diamond d = diamond(apex);
   for (int side = 0; side < 2; ++side) {
@@ -25,7 +25,7 @@ int bit_of(GridPoint apex, const Diamond& split) {
         return 2 * side + end;
     }
   }
-  return -1;  // a root corner's
+  return -1;  // the apex is a root corner
 }
 
 }  // namespace
@@ -90,12 +90,12 @@ std::vector<std::uint8_t> CoverCoder::decode(std::span<const std::byte> bytes, s
     covers[i] = visit(points[i], 0, [&](int context, std::uint8_t) {
       const std::uint64_t number = in.get(context);
       if (number > (context == kFirstContext + 16 ? 15u : 3u))
-        throw Failure(Cause::corrupt, "corrupt: covers that are none");
+        throw Failure(Cause::corrupt, "corrupt: covers are out of range");
       return static_cast<std::uint8_t>(number);
     });
     remember(points[i], covers[i]);
   }
-  if (!in.is_intact()) throw Failure(Cause::corrupt, "corrupt: damaged covers");
+  if (!in.is_intact()) throw Failure(Cause::corrupt, "corrupt: the covers are damaged");
   return covers;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
-// Which triangles of vertices hold data, in streams: docs/format/rqt-v1.md, section 6.
+// Codes the covers of a stream's vertices: which of their triangles hold data. docs/format/rqt-v1.md, section 6.
 //
-// A vertex splits two triangles, and each of them has its right angle at a vertex that came before: where that one says
-// that a triangle holds data, mostly both of its halves do, and where it does not, neither does.
+// A vertex splits two triangles. Each has its right angle at a vertex that was coded earlier, whose covers say whether
+// the triangle holds data. If it does, mostly both of its halves do; if not, neither does.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,12 +15,12 @@
 
 namespace talus {
 
-/// Writer and reader remember the same.
+/// Codes covers part by part. A writer and a reader remember the same vertices.
 class CoverCoder {
  public:
-  /// What an increment goes on from.
+  /// Adds the covers of the answer that an increment continues.
   void take(const RestrictedQuadtree& quadtree);
-  /// covers  of `points`; none at all where all are 15
+  /// Codes the covers of `points`. No bytes if all are 15.
   [[nodiscard]] std::vector<std::byte> encode(std::span<const GridPoint> points, std::span<const std::uint8_t> covers);
   /// fails  corrupt
   [[nodiscard]] std::vector<std::uint8_t> decode(std::span<const std::byte> bytes, std::span<const GridPoint> points);
@@ -28,11 +28,11 @@ class CoverCoder {
  private:
   [[nodiscard]] std::uint8_t of(GridPoint p) const;
   void remember(GridPoint p, std::uint8_t covers);
-  /// code(context, number): one side of a vertex
+  /// code(context, number) writes or reads the two bits for one split triangle
   template <class Code>
   std::uint8_t visit(GridPoint p, std::uint8_t covers, Code&& code) const;
 
-  std::unordered_map<std::uint64_t, std::uint8_t> partial_;  ///< those that are not 15
+  std::unordered_map<std::uint64_t, std::uint8_t> partial_;  ///< covers other than 15
 };
 
 }  // namespace talus

@@ -22,7 +22,7 @@ bool is_before(GridPoint a, GridPoint b) { return a.row != b.row ? a.row < b.row
 
 int level_of(GridPoint p, int root) { return std::min(height_in_tree(p), root); }
 
-/// A side midpoint's parents are centres of its level.
+/// Centres come first, because the parents of a side midpoint are centres of its level.
 void put_centres_first(std::vector<GridPoint>& points) {
   std::stable_partition(points.begin(), points.end(), [](GridPoint p) { return is_centre(p); });
 }
@@ -33,7 +33,7 @@ std::vector<std::byte> finished(NumberWriter& writer) {
   return out;
 }
 
-/// Pieces of a part's payload, each behind its length.
+/// Joins the pieces of a part's payload, each after its length.
 std::vector<std::byte> joined(std::initializer_list<std::vector<std::byte>> pieces) {
   std::vector<std::byte> out;
   for (const auto& piece : pieces) {
@@ -47,11 +47,11 @@ std::array<std::span<const std::byte>, count> split(std::span<const std::byte> p
   std::array<std::span<const std::byte>, count> pieces;
   VariableReader in(payload);
   for (auto& piece : pieces) piece = in.take(in.size());
-  if (in.left() > 0) refuse_stream("bytes left over in a part");
+  if (in.left() > 0) refuse_stream("a part has bytes after its last piece");
   return pieces;
 }
 
-/// What the border needs whatever the tolerance, row by row: as far as it goes a reader knows where these stand.
+/// The vertices that the border needs at any tolerance, row by row. A reader knows their places.
 std::vector<GridPoint> forced_vertices(const StreamHeader& h) {
   if (h.is_increment || h.quadtree.origin.border != Border::constrain) return {};
   auto forced = border_vertices(h.window, std::int32_t{1} << h.root());
@@ -77,7 +77,7 @@ LevelVertices<Code> root_vertices(const KnownLevels<Code>& known, GridRect windo
   return at;
 }
 
-/// One half of a level by stripes. coder(stripe, row) tells.
+/// Walks one half of a level by stripes. coder(stripe, row) fills in each row.
 template <class Code, class Coder>
 std::vector<typename LevelWalk<Code>::WalkedRows> walk_half(LevelWalk<Code>& walk, std::size_t half,
                                                             std::size_t stripes, int threads,
@@ -95,7 +95,7 @@ bool is_of_level(const BitLattice& lattice, std::int32_t i, std::int32_t j) {
   return (((lattice.first_col + i) | (lattice.first_row + j)) & 1) != 0;
 }
 
-/// Vertices of a lattice's own spacing, row by row.
+/// Visits the vertices of a lattice's own spacing, row by row.
 template <class Visit>
 void for_each_of_level(const BitLattice& lattice, Visit&& visit) {
   for (std::int32_t j = 0; j < lattice.rows; ++j) {
@@ -238,7 +238,7 @@ class PartsEncoder {
         half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
       };
       attempt();
-      // What stands where no candidate is: told before the level is walked.
+      // Vertices that are not candidates become known vertices, and the half is walked again.
       const std::vector<GridPoint> missing = missing_from(half == 0 ? walk.centre_bits() : walk.bits(), lattice, half);
       if (missing.empty()) continue;
       for (const GridPoint p : missing) {
@@ -299,7 +299,7 @@ class PartsEncoder {
   LevelEncoder<Code> encoder_;
   KnownLevels<Code> known_{h_.root()};
   CoverCoder covers_;
-  std::vector<BitLattice> lattices_;  ///< by log2 of the spacing
+  std::vector<BitLattice> lattices_;  ///< index: log2 of the spacing
   BitLattice forced_;
   LevelVertices<Code> so_far_;
   std::size_t most_ = 0;
@@ -362,9 +362,9 @@ void PartsDecoder<Code>::take_first(std::span<const std::byte> payload, std::uin
       take_points(in, top, 64 + 64 * std::uint64_t{numbers.size()}, [&](GridPoint p) { return !seen.contains(p); });
   there.points.insert(there.points.end(), roots.begin(), roots.end());
   take_heights(in, there);
-  if (!in.is_intact()) refuse_stream("damaged first part");
+  if (!in.is_intact()) refuse_stream("the first part is damaged");
   if (there.points.size() != vertices)
-    refuse_stream(fmt::format("{} vertices, {} were said", there.points.size(), vertices));
+    refuse_stream(fmt::format("{} vertices instead of {}", there.points.size(), vertices));
   for (std::size_t i = 0; i < there.points.size(); ++i) known_.insert(there.points[i], there.heights[i]);
   known_.sort();
   if (header_.has_covers) {
@@ -379,7 +379,7 @@ template <class Code>
 void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uint64_t vertices) {
   const int shift = header_.root() - static_cast<int>(taken_);
   const auto [scattered, symbols, covers] = split<3>(payload);
-  BitLattice before;  // known whatever the level says
+  BitLattice before;  // vertices that are known before the level
   const std::size_t known_before = known_.size(shift);
   if (header_.has_covers || !scattered.empty()) {
     before = BitLattice(header_.window, shift);
@@ -396,7 +396,7 @@ void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uin
       return is_of_level(before, i, j) && !before.contains(i, j);
     });
     take_heights(in, found);
-    if (!in.is_intact()) refuse_stream("damaged scattered vertices");
+    if (!in.is_intact()) refuse_stream("the scattered vertices are damaged");
     for (std::size_t i = 0; i < found.points.size(); ++i) known_.insert(found.points[i], found.heights[i]);
     known_.sort();
     may_have_gaps_ = true;
@@ -405,16 +405,16 @@ void PartsDecoder<Code>::take_level(std::span<const std::byte> payload, std::uin
   LevelWalk<Code> walk(header_.window, so_far_, Scale(coding_.tolerance), header_.has_loose,
                        so_far + known_.size(shift) + static_cast<std::size_t>(vertices));
   const std::size_t stripes = decoder_.start(symbols);
-  if (stripes > static_cast<std::size_t>(std::max(1, walk.rows()))) refuse_stream("more stripes than rows");
+  if (stripes > static_cast<std::size_t>(std::max(1, walk.rows()))) refuse_stream("a level has more stripes than rows");
   for (const std::size_t half : {0u, 1u}) {
     auto parts = walk_half(walk, half, stripes, threads_, known_.at(shift, half),
                            [&](std::size_t b, CandidateRow<Code>& row) { decoder_.take(half, b, row); });
     half == 0 ? walk.take_centres(std::move(parts)) : walk.take_all(std::move(parts));
   }
-  if (!decoder_.is_intact()) refuse_stream("a damaged level");
+  if (!decoder_.is_intact()) refuse_stream("a level is damaged");
   so_far_ = walk.take_vertices();
   if (so_far_.heights.size() - so_far - known_before != vertices)
-    refuse_stream(fmt::format("{} vertices, {} were said", so_far_.heights.size() - so_far - known_before, vertices));
+    refuse_stream(fmt::format("{} vertices instead of {}", so_far_.heights.size() - so_far - known_before, vertices));
   if (!header_.has_covers) {
     if (!covers.empty()) refuse_stream("covers that the header does not name");
     return;
@@ -437,7 +437,7 @@ void PartsDecoder<Code>::take_covers(std::span<const std::byte> bytes, std::span
 
 template <class Code>
 RestrictedQuadtree PartsDecoder<Code>::quadtree() const {
-  // Levels that are still to come have what is known of them, and nothing else.
+  // Levels that were not read yet have only their known vertices.
   const LevelVertices<Code>* all = &so_far_;
   LevelVertices<Code> finer;
   const auto none = [](CandidateRow<Code>& row) {

@@ -1,5 +1,5 @@
 #pragma once
-// The parts of a stream: vertices by level, as bytes and back. docs/format/rqt-v1.md, sections 3 to 6.
+// Encodes and decodes the parts of a stream, which have the vertices by level. docs/format/rqt-v1.md, sections 3 to 6.
 
 #include <array>
 #include <cstddef>
@@ -8,23 +8,23 @@
 #include <span>
 #include <vector>
 
+#include "engine/stream/height_codes.hpp"
 #include "engine/stream/level_symbols.hpp"
 #include "engine/stream/level_walk.hpp"
 #include "engine/stream/stream_covers.hpp"
-#include "engine/stream/stream_heights.hpp"
 
 namespace talus {
 
-/// Vertices by half of their level, those that are there before the level is told: what a border needs, what a base
-/// has.
+/// Vertices that are known before their level is coded, by half of the level: those of the border, of a base, and
+/// scattered ones.
 template <class Code>
 class KnownLevels {
  public:
   explicit KnownLevels(int root) : levels_(static_cast<std::size_t>(root) + 1) {}
-  /// In any order; sort() must follow.
+  /// Adds a vertex. The order does not matter, but sort() must follow.
   void insert(GridPoint p, Code height);
   void sort();
-  /// half 0: centres, 1: side midpoints. Of the root's level all are in half 1.
+  /// half 0: centres, 1: side midpoints. All vertices of the root's level are in half 1.
   [[nodiscard]] const KnownVertices<Code>& at(int shift, std::size_t half) const {
     return levels_[static_cast<std::size_t>(shift)][half];
   }
@@ -34,24 +34,24 @@ class KnownLevels {
   std::vector<std::array<KnownVertices<Code>, 2>> levels_;
 };
 
-/// The bytes of one part, its frame apart.
+/// The bytes of one part, without its length, vertices and checksum.
 struct EncodedPart {
   std::uint64_t vertices = 0;
   std::vector<std::byte> payload;
 };
 
-/// quadtree  what the stream holds; codes: its heights
-/// base      of an increment, with its codes
+/// quadtree  content of the stream; codes: its heights
+/// base      the answer that an increment continues; base_codes: its heights
 template <class Code>
 [[nodiscard]] std::vector<EncodedPart> encode_parts(const StreamHeader& header, const RestrictedQuadtree& quadtree,
                                                     std::span<const Code> codes, const RestrictedQuadtree* base,
                                                     std::span<const Code> base_codes, const StreamOptions& options);
 
-/// Takes parts one after the other.
+/// Decodes parts one after the other.
 template <class Code>
 class PartsDecoder {
  public:
-  /// header, base  must stay
+  /// header, base  must live as long as the decoder
   PartsDecoder(const StreamHeader& header, const RestrictedQuadtree* base, std::span<const Code> base_codes,
                int threads);
   ~PartsDecoder();
@@ -61,8 +61,8 @@ class PartsDecoder {
   /// fails  corrupt
   void take(std::span<const std::byte> payload, std::uint64_t vertices);
   [[nodiscard]] std::uint64_t vertices() const { return found_; }
-  /// Of the parts so far: all of the header's quadtree, with vertices, heights and covers.
-  /// fails  corrupt: an answer's vertices that are no restricted quadtree
+  /// The quadtree of the parts so far: that of the header, with vertices, heights and covers.
+  /// fails  corrupt: the vertices of an answer are not a restricted quadtree
   [[nodiscard]] RestrictedQuadtree quadtree() const;
 
  private:
@@ -79,9 +79,9 @@ class PartsDecoder {
   LevelVertices<Code> so_far_;
   std::size_t taken_ = 0;
   std::uint64_t found_ = 0;
-  bool may_have_gaps_ = false;  ///< vertices that need not have their parents
+  bool may_have_gaps_ = false;  ///< some vertices may lack a parent
   CoverCoder cover_coder_;
-  std::vector<std::pair<GridPoint, std::uint8_t>> covers_;  ///< those that are not 15
+  std::vector<std::pair<GridPoint, std::uint8_t>> covers_;  ///< covers other than 15
 };
 
 extern template class PartsDecoder<std::int32_t>;

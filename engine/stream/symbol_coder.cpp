@@ -10,7 +10,7 @@ namespace talus {
 namespace {
 
 constexpr std::uint32_t kAll = 1u << kChanceBits;
-constexpr std::uint32_t kLowest = 1u << 16;  ///< of a state between symbols
+constexpr std::uint32_t kLowest = 1u << 16;  ///< smallest state between symbols
 
 std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t at) {
   return at + 2 <= bytes.size()
@@ -29,7 +29,7 @@ void BitWriter::put_gamma(std::uint32_t v) {
 std::uint32_t BitReader::take_gamma() {
   int high = 0;
   while (high < 32 && take(1) == 0) ++high;
-  if (high == 32) return 0;  // no number is written so
+  if (high == 32) return 0;  // writers do not make such bits
   std::uint32_t v = 1;
   for (int i = 0; i < high; ++i) v = v << 1 | static_cast<std::uint32_t>(take(1));
   return v;
@@ -47,7 +47,7 @@ SymbolTables SymbolTables::of(std::span<const Counts> counts) {
     std::uint64_t sum = 0;
     for (const std::uint32_t n : counts[c]) sum += n;
     if (sum == 0) continue;
-    // Each symbol that came has a chance; what rounding added or took is the likeliest ones'.
+    // Each symbol that occurs has a chance. The likeliest symbols make up for rounding.
     auto& chances = tables.chances_[c];
     std::uint32_t given = 0;
     for (std::size_t s = 0; s < kMostSymbols; ++s) {
@@ -80,7 +80,7 @@ void SymbolTables::place() {
       }
       first += chance.size;
     }
-    // A context without symbols: whoever reads under it all the same gets absent vertices.
+    // A context without symbols reads as symbol 0, which is an absent vertex.
     for (std::uint32_t i = first; i < kAll; ++i) places_[c * kAll + i] = (kAll - 1) << 10 | i;
   }
 }
@@ -126,7 +126,7 @@ bool SymbolTables::read(BitReader& in, std::size_t contexts) {
 std::vector<std::byte> encode_symbols(const SymbolTables& tables, std::span<const SymbolRow> rows) {
   std::size_t count = 0;
   for (const SymbolRow& row : rows) count += row.symbols.size();
-  std::vector<std::uint16_t> words;  // the last read first
+  std::vector<std::uint16_t> words;  // in reverse order of reading
   words.reserve(count / 2 + 8);
   std::array<std::uint32_t, 4> states;
   states.fill(kLowest);
@@ -170,7 +170,7 @@ void SymbolReader::take(const std::uint8_t* contexts, std::uint8_t* symbols, std
     symbols[k] = static_cast<std::uint8_t>(place >> 20);
     return ((place >> 10 & (kAll - 1)) + 1) * (x >> kChanceBits) + (place & (kAll - 1));
   };
-  // While no read can leave the bytes there is no need to look.
+  // While eight bytes are left, four reads need no check.
   for (; i + 4 <= count && at + 8 <= bytes_.size(); i += 4) {
     for (std::size_t s = 0; s < 4; ++s) {
       std::uint32_t x = one(states[s], i + s);

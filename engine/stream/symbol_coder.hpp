@@ -1,7 +1,6 @@
 #pragma once
-// Symbols of a small alphabet as bits: static range asymmetric numeral systems, four states that take turns, with one
-// distribution for each context. The distributions are measured and travel with the symbols. docs/format/rqt-v1.md,
-// section 7.
+// Codes symbols of a small alphabet as bits: static range asymmetric numeral systems with four states in turn. Each
+// context has a distribution, which is measured and stored with the symbols. docs/format/rqt-v1.md, section 7.
 //
 // source  asymmetric numeral systems, J. Duda, arXiv:1311.2540; four interleaved states: F. Giesen, arXiv:1402.3392
 
@@ -17,7 +16,7 @@ namespace talus {
 inline constexpr int kMostSymbols = 156;
 inline constexpr int kChanceBits = 10;  ///< chances are multiples of 2^-10
 
-/// Bits in the order they were put, the first in the lowest bit of a byte.
+/// Writes bits in order, the first in the lowest bit of a byte.
 class BitWriter {
  public:
   void put(std::uint64_t bits, int count) {  // count <= 64, higher bits zero
@@ -30,7 +29,7 @@ class BitWriter {
       held_count_ -= 8;
     }
   }
-  /// v >= 1 as its length in zeros and then its bits, the highest first (Elias gamma).
+  /// Writes v >= 1 as Elias gamma: a zero for each bit after the highest, then its bits, the highest first.
   void put_gamma(std::uint32_t v);
   void finish() {
     if (held_count_ > 0) bytes.push_back(static_cast<std::byte>(held_ & 0xff));
@@ -43,7 +42,7 @@ class BitWriter {
   int held_count_ = 0;
 };
 
-/// Whatever the bytes are, every call returns something and reads nothing out of bounds; is_intact() tells at the end.
+/// Reads bits. Any bytes are safe: no call reads out of bounds, and is_intact() says at the end whether all was sound.
 class BitReader {
  public:
   BitReader() = default;
@@ -58,13 +57,13 @@ class BitReader {
     const std::uint64_t low = take(32);
     return low | take(count - 32) << 32;
   }
-  /// 0 for bits that put_gamma does not write.
+  /// Reads an Elias gamma number; 0 for bits that put_gamma does not write.
   [[nodiscard]] std::uint32_t take_gamma();
-  /// All bytes were used, no others, and bits left over are zero.
+  /// Whether exactly all bytes were used, and the last unused bits are 0.
   [[nodiscard]] bool is_intact() const;
 
  private:
-  /// At least 57 bits from here.
+  /// The next 57 bits or more.
   [[nodiscard, gnu::always_inline]] std::uint64_t window() const {
     const std::uint64_t byte = at_ / 8;
     if (byte + 8 <= bytes_.size()) [[likely]] {
@@ -82,28 +81,27 @@ class BitReader {
   std::uint64_t at_ = 0;  // in bits
 };
 
-/// One distribution for each context.
+/// The distributions of symbols, one for each context.
 class SymbolTables {
  public:
   using Counts = std::array<std::uint32_t, kMostSymbols>;
 
-  /// From how often each symbol came under each context.
+  /// counts  how often each symbol occurs in each context
   [[nodiscard]] static SymbolTables of(std::span<const Counts> counts);
-  /// Bits that symbols as often as that would take. A symbol without a chance: infinity.
+  /// The bits for symbols with these counts; infinity if one of them has no chance.
   [[nodiscard]] double cost(std::span<const Counts> counts) const;
   void write(BitWriter& out) const;
-  /// fails  (false) a distribution that is none
+  /// returns  false if a distribution is damaged
   [[nodiscard]] bool read(BitReader& in, std::size_t contexts);
   [[nodiscard]] std::size_t contexts() const { return chances_.size(); }
 
   struct Chance {
-    std::uint16_t size = 0, first = 0;  ///< of 2^kChanceBits
+    std::uint16_t size = 0, first = 0;  ///< in units of 2^-kChanceBits
   };
   [[nodiscard]] const Chance& chance(std::size_t context, std::size_t symbol) const {
     return chances_[context][symbol];
   }
-  /// For reading: by context and place, the symbol (8 bits), its size less 1 (10 bits), and the place less its first
-  /// (10 bits).
+  /// For reading, by context and place: the symbol (8 bits), its size − 1 (10 bits), the place − its first (10 bits).
   [[nodiscard]] const std::uint32_t* places() const { return places_.data(); }
 
  private:
@@ -112,13 +110,13 @@ class SymbolTables {
   std::vector<std::uint32_t> places_;
 };
 
-/// Takes the symbols of rows, each under its context; row i's first symbol belongs to the first state.
+/// The symbols of a row and their contexts. The first symbol of each row belongs to the first state.
 struct SymbolRow {
   std::span<const std::uint8_t> contexts, symbols;
 };
 [[nodiscard]] std::vector<std::byte> encode_symbols(const SymbolTables& tables, std::span<const SymbolRow> rows);
 
-/// Gives them back, row by row. Whatever the bytes are, every call returns some symbols.
+/// Decodes these symbols, row by row. Any bytes are safe: every call returns some symbols.
 class SymbolReader {
  public:
   SymbolReader() = default;

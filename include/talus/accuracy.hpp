@@ -14,11 +14,11 @@
 namespace talus {
 
 struct AccuracyOptions {
-  std::optional<GridRect> region;        ///< part of the extent; empty: all of it
-  std::optional<std::int32_t> window;    ///< side of the windows in samples, 17 to 4097; empty: see measure_accuracy
-  std::vector<Metres> tolerances;        ///< finite, >= 0; empty: see AccuracyReport::points
-  std::optional<double> budget_seconds;  ///< time budget for the advice, > 0; empty: time of the middle tolerance
-  std::optional<Metres> map_tolerance;   ///< tolerance of the maps; empty: the advised one
+  std::optional<GridRect> region;       ///< part of the extent; empty: all of it
+  std::optional<std::int32_t> window;   ///< side of the windows in samples, 17 to 4097; empty: see measure_accuracy
+  std::vector<Metres> tolerances;       ///< finite, >= 0; empty: see AccuracyReport::points
+  std::optional<double> limit_seconds;  ///< time limit for the advice, > 0; empty: time of the middle tolerance
+  std::optional<Metres> map_tolerance;  ///< tolerance of the maps; empty: the advised one
   bool maps = true;
   /// The heights that errors are measured against; empty: the database's samples. It may not have kept all of them:
   /// then nothing is measured.
@@ -55,10 +55,10 @@ struct AccuracyPoint {
   std::optional<AccuracyErrors> errors;  ///< empty without a truth
 };
 
-/// The smallest tolerance within the time budget, measured. Without a budget: the tolerance in the middle of the
+/// The smallest tolerance within the time limit, measured. Without a limit: the tolerance in the middle of the
 /// measured ones, which is the same on every machine, and its time.
 struct AccuracyAdvice {
-  double budget_seconds = 0;
+  double limit_seconds = 0;
   std::optional<std::size_t> point;  ///< index into AccuracyReport::points; empty: the coarsest takes longer
   bool is_finest = false;            ///< `point` is the finest of all
 };
@@ -69,7 +69,7 @@ struct ErrorMap {
   std::int32_t step = 1, cols = 0, rows = 0;
   std::vector<float> error_m;   ///< surface minus sample, at the worst sample of each cell; NaN: no surface
   std::vector<float> height_m;  ///< mean of valid samples; NaN: none
-  double width_m = 0, height_on_ground_m = 0;  ///< size of the window on the ground, measured through its middle
+  Metres width, height;         ///< size of the window on the ground, measured through its middle
 };
 
 struct AccuracyReport {

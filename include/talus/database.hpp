@@ -48,15 +48,15 @@ struct PlacedRectangle {
 };
 
 struct ProfileVertex {
-  double distance_m = 0;  ///< from the start of the line along it, on the ground
-  double x = 0, y = 0;    ///< in the CRS
-  double height = 0;      ///< in the vertical unit
+  Metres distance;      ///< from the start of the line along it, on the ground
+  double x = 0, y = 0;  ///< in the CRS
+  double height = 0;    ///< in the vertical unit
 };
 
 /// The heights of a surface along a line. Between two vertices of a part the height is linear in x and y.
 struct Profile {
   std::vector<std::vector<ProfileVertex>> parts;  ///< in the line's order, with gaps where there is no data
-  double length_m = 0;                            ///< length of the whole line on the ground, gaps included
+  Metres length;                                  ///< length of the whole line on the ground, gaps included
   Metres tolerance;                               ///< as asked
   Metres bound;  ///< no covered sample on the line is farther from the profile, see RestrictedQuadtree::bound
   QueryCost cost;
@@ -109,7 +109,7 @@ class Snapshot {
   /// surface. A larger triangle with data and voids is kept if its longest side on the ground times
   /// Description::void_weight is within the tolerance. It may have void vertices, with heights of samples nearby.
   ///
-  /// A tolerance below Description::lossy_metres or finest_tolerance returns the finest answer; its bound says so. With
+  /// A tolerance below Description::lossy or finest_tolerance returns the finest answer; its bound says so. With
   /// a field, each sample is within its own tolerance, and neighbouring answers need not meet. The quadtree of
   /// Border::cover and clip also has vertices outside the region, which its triangles need. Rounded heights meet if
   /// kind, tolerance and quantum are equal. If a database kept only the vertices of one tolerance, every finer answer
@@ -262,7 +262,7 @@ using SampleReader = std::function<SampleWindow(GridRect)>;
 
 struct VerifyOptions {
   /// The source before ingest rounded anything. Every stored sample is compared with it: bit for bit, or within
-  /// Description::lossy_metres. With a finest tolerance: the stored samples, and the answer at that tolerance.
+  /// Description::lossy. With a finest tolerance: the stored samples, and the answer at that tolerance.
   SampleReader truth = {};
   /// Needs `truth`: measures the true error of the whole answer at this tolerance, over every sample.
   std::optional<Metres> tolerance = {};

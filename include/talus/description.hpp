@@ -54,17 +54,15 @@ struct Description {
   std::string vertical_unit;   ///< as the source states it; "metre" if it states none
   double metres_per_unit = 1;  ///< metres in one vertical unit
   HeightStep step;
-  double minimum = 0, maximum = 0;  ///< heights of valid samples, in the vertical unit
+  double minimum_height = 0, maximum_height = 0;  ///< of valid samples, in the vertical unit
   std::uint64_t void_samples = 0;
-  double void_weight = 1;   ///< see IngestOptions
-  double lossy_metres = 0;  ///< the largest distance between stored and source heights; part of every bound
+  double void_weight = 1;  ///< see IngestOptions
+  Metres lossy;            ///< the largest distance between stored and source heights; part of every bound
   /// The tolerance of the finest answer: only its vertices were kept. 0: all samples were kept.
-  double finest_tolerance = 0;
+  Metres finest_tolerance;
   ErrorMetric error_metric = ErrorMetric::vertical;
-  /// Vertices with an error within this were not kept, in metres. 0: all were kept.
-  [[nodiscard]] double kept_above() const {
-    return finest_tolerance > lossy_metres ? finest_tolerance - lossy_metres : 0;
-  }
+  /// Vertices with an error within this were not kept. 0: all were kept.
+  [[nodiscard]] Metres kept_above() const { return finest_tolerance > lossy ? finest_tolerance - lossy : Metres{0}; }
 };
 
 /// One input file of a database.

@@ -33,6 +33,15 @@ enum class ColourCode : std::uint8_t {
   terrarium,    ///< height = (red · 256 + green + blue / 256) − 32768 metres
 };
 
+/// Units of heights. A foot is the international one.
+enum class VerticalUnit : std::uint8_t { metre, kilometre, decimetre, centimetre, millimetre, foot, us_survey_foot };
+
+enum class Resampling : std::uint8_t { bilinear, near, cubic, average };
+
+/// Names as on command lines: "us-survey-foot", "near".
+[[nodiscard]] const char* name_of(VerticalUnit unit);
+[[nodiscard]] const char* name_of(Resampling resampling);
+
 /// How inputs are read.
 struct InputOptions {
   std::vector<std::string> allow_drivers;  ///< GDAL drivers to use besides those that Talus trusts
@@ -45,13 +54,13 @@ struct InputOptions {
   /// Values that mean void, for inputs that declare none. Ignored for sample types that cannot hold them.
   std::vector<double> nodata;
   ColourCode decode = ColourCode::none;
-  std::string srs;            ///< CRS of the inputs: EPSG:…, WKT or PROJ; empty: as they state
-  std::string vertical_unit;  ///< vertical unit of the inputs: metre, foot, us-survey-foot, km, dm, cm, mm
-  /// Resample inputs to this grid if they are not on it: CRS, cell size in its units (both or none), and method (near,
-  /// bilinear, cubic, average). Default: CRS and cell size of the first input, bilinear.
+  std::string srs;                            ///< CRS of the inputs: EPSG:…, WKT or PROJ; empty: as they state
+  std::optional<VerticalUnit> vertical_unit;  ///< unit of the inputs' heights; empty: as they state
+  /// Resample inputs to this grid if they are not on it: CRS, cell size in its units (both or none), and method.
+  /// Default: CRS and cell size of the first input, bilinear.
   std::string target_srs;
   double target_dx = 0, target_dy = 0;
-  std::string resampling;
+  std::optional<Resampling> resampling;
   std::optional<Grid> grid;          ///< or resample to this grid
   bool priority_resolution = false;  ///< in overlaps the input with smaller cells counts; false: the later one
   Metres height_step{0};             ///< round heights to multiples of this; 0: keep them
@@ -85,7 +94,7 @@ struct IngestOptions {
 struct UpdateChange {
   std::uint64_t samples = 0;          ///< changed samples, filled ones included
   std::uint64_t filled = 0;           ///< samples that had no height before: void, or outside the extent
-  double largest_m = 0;               ///< largest change of a height, in metres
+  Metres largest;                     ///< largest change of a height
   double x = 0, y = 0;                ///< its position in the CRS; meaningless if all samples were filled
   GridRect region{{0, 0}, {-1, -1}};  ///< smallest rectangle with all changes; empty: none
 };

@@ -19,11 +19,11 @@ namespace talus {
 class ToleranceField {
  public:
   virtual ~ToleranceField() = default;
-  /// The tolerance at a sample, in metres, >= 0; infinity is allowed.
-  [[nodiscard]] virtual double at(GridPoint p) const = 0;
+  /// The tolerance at a sample, >= 0; infinity is allowed.
+  [[nodiscard]] virtual Metres at(GridPoint p) const = 0;
   /// A lower bound of the tolerance in a rectangle, which may leave the extent. A closer bound gives fewer vertices.
   /// Called from several threads at once.
-  [[nodiscard]] virtual double least(GridRect rect) const = 0;
+  [[nodiscard]] virtual Metres least(GridRect rect) const = 0;
 };
 
 /// A tolerance that grows with the distance on the ground from a point (CRS coordinates): `at_focus` plus

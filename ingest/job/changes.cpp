@@ -29,8 +29,8 @@ void note(Changes& changes, const Description& d, GridPoint p, bool was_void, do
   const double metres = std::abs(height_difference) * d.metres_per_unit;
   const bool is_earlier =
       p.row < changes.largest_at.row || (p.row == changes.largest_at.row && p.col < changes.largest_at.col);
-  if (!is_first_height && (metres < sum.largest_m || (metres == sum.largest_m && !is_earlier))) return;
-  sum.largest_m = metres;
+  if (!is_first_height && (metres < sum.largest.value || (metres == sum.largest.value && !is_earlier))) return;
+  sum.largest = Metres{metres};
   changes.largest_at = p;
   sum.x = d.mapping.x(p.col);
   sum.y = d.mapping.y(p.row);

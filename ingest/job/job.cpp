@@ -218,8 +218,8 @@ void finish(Job& job, PageWriter& writer, const Totals& totals, const std::vecto
   Description& d = job.description;
   const auto all = static_cast<std::uint64_t>(d.extent.samples());
   d.void_samples = all - totals.valid;
-  d.minimum = totals.lowest;
-  d.maximum = totals.highest;
+  d.minimum_height = totals.lowest;
+  d.maximum_height = totals.highest;
   for (const PageBytes& page : pages) writer.put(page.key, page.content, page.generation);
   const Manifest manifest{d, job.making.bands, provenance.generation, top_generations(job, pages)};
   provenance.vertices_above.clear();  // counts of the generation before
@@ -270,9 +270,12 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
   const Description& d = job.description;
   job.is_stale = [](TileId) { return false; };
   job.distance = CodeDistance(d.step, d.metres_per_unit);
-  job.making = {d.extent,       d.step,
-                job.distance,   band_count(d.extent),
-                d.kept_above(), [](PageKey, std::span<const std::byte>) { return 0u; }};
+  job.making = {d.extent,
+                d.step,
+                job.distance,
+                band_count(d.extent),
+                d.kept_above().value,
+                [](PageKey, std::span<const std::byte>) { return 0u; }};
   job.budget = budget_for(options.memory_bytes, threads_or_all(options.threads), d.extent, bytes_a_code, block_bytes);
   return job;
 }
@@ -343,7 +346,7 @@ IngestReport run(Job& job, const Source& source, Provenance provenance, PageWrit
   report.description = job.description;
   report.notes = source.notes();
   if (const std::string seams = seam_note(source.seams()); !seams.empty()) report.notes.push_back(seams);
-  for (std::string& doubt : source.doubts(report.description.minimum, report.description.maximum))
+  for (std::string& doubt : source.doubts(report.description.minimum_height, report.description.maximum_height))
     report.notes.push_back(std::move(doubt));
   return report;
 }

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <functional>
 
-#include "engine/geo/geodesy.hpp"
+#include "engine/geo/ground_scale.hpp"
 #include "engine/page/manifest.hpp"
 #include "ingest/job/memory_plan.hpp"
 #include "ingest/job/panels.hpp"

@@ -28,11 +28,11 @@ std::string typed(const IngestOptions& options) {
   for (const double value : in.nodata) text += fmt::format(", InputOptions::nodata {}", value);
   if (in.decode != ColourCode::none)
     text += fmt::format(", InputOptions::decode {}", in.decode == ColourCode::terrarium ? "terrarium" : "terrain-rgb");
-  if (!in.vertical_unit.empty()) text += fmt::format(", InputOptions::vertical_unit {}", in.vertical_unit);
+  if (in.vertical_unit) text += fmt::format(", InputOptions::vertical_unit {}", name_of(*in.vertical_unit));
   if (in.priority_resolution) text += ", InputOptions::priority_resolution";
   if (!in.target_srs.empty()) text += fmt::format(", InputOptions::target_srs {}", in.target_srs);
   if (in.target_dx != 0) text += fmt::format(", InputOptions::target_dx {},{}", in.target_dx, in.target_dy);
-  if (!in.resampling.empty()) text += fmt::format(", InputOptions::resampling {}", in.resampling);
+  if (in.resampling) text += fmt::format(", InputOptions::resampling {}", name_of(*in.resampling));
   if (in.height_step.value != 0) text += fmt::format(", InputOptions::height_step {}", in.height_step.value);
   return text;
 }

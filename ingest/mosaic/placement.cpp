@@ -23,7 +23,7 @@ constexpr std::int64_t kMostSamples = std::int64_t{1} << 36;
 
 bool asks_for_resampling(const InputOptions& options) {
   return options.grid || !options.target_srs.empty() || options.target_dx != 0 || options.target_dy != 0 ||
-         !options.resampling.empty();
+         options.resampling.has_value();
 }
 
 std::string cells_of(const GridMapping& m) { return fmt::format("{} x {} at {}, {}", m.dx, -m.dy, m.x0, m.y0); }
@@ -281,7 +281,7 @@ GridRect extent_of(const std::vector<RasterFacts>& rasters, const Placement& pla
 }  // namespace
 
 Placement place_on_one_grid(std::vector<RasterFacts>& rasters, const InputOptions& options) {
-  const GDALResampleAlg method = resampling_of(options.resampling);
+  const GDALResampleAlg method = algorithm_of(options.resampling.value_or(Resampling::bilinear));
   const bool may_resample = asks_for_resampling(options);
   require_positions(rasters);
   if (!may_resample) require_own_grid(rasters.front());

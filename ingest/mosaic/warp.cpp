@@ -139,12 +139,24 @@ DatasetOwner warped_band(GDALDatasetH source, int band, GDALResampleAlg method, 
 
 }  // namespace
 
-GDALResampleAlg resampling_of(const std::string& word) {
-  if (word.empty() || word == "bilinear") return GRA_Bilinear;
-  if (word == "near") return GRA_NearestNeighbour;
-  if (word == "cubic") return GRA_Cubic;
-  if (word == "average") return GRA_Average;
-  fail(Cause::invalid_argument, "InputOptions::resampling {}: expected near, bilinear, cubic or average", word);
+GDALResampleAlg algorithm_of(Resampling resampling) {
+  switch (resampling) {
+    case Resampling::near: return GRA_NearestNeighbour;
+    case Resampling::cubic: return GRA_Cubic;
+    case Resampling::average: return GRA_Average;
+    case Resampling::bilinear: break;
+  }
+  return GRA_Bilinear;
+}
+
+const char* name_of(Resampling resampling) {
+  switch (resampling) {
+    case Resampling::near: return "near";
+    case Resampling::cubic: return "cubic";
+    case Resampling::average: return "average";
+    case Resampling::bilinear: break;
+  }
+  return "bilinear";
 }
 
 GridMapping suggested_grid(const LaidRasters& laid, const std::string& target_crs) {

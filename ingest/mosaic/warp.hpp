@@ -9,7 +9,7 @@ namespace talus {
 
 /// The method for near, bilinear, cubic or average; bilinear if the word is empty.
 /// fails  invalid_argument: another word
-[[nodiscard]] GDALResampleAlg resampling_of(const std::string& word);
+[[nodiscard]] GDALResampleAlg algorithm_of(Resampling resampling);
 
 /// A grid that suits the rasters in a CRS (WKT, without heights).
 /// fails  unsupported: GDAL cannot transform to it

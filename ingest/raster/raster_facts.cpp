@@ -182,17 +182,13 @@ std::optional<StatedUnit> unit_of_crs(const std::string& wkt) {
 
 void read_unit(GDALRasterBandH band, const InputOptions& options, RasterFacts& facts) {
   const std::string stated = GDALGetRasterUnitType(band);
-  if (!options.vertical_unit.empty()) {
-    const std::optional<double> metres = metres_in(options.vertical_unit);
-    if (!metres) {
-      refuse("InputOptions::vertical_unit {}: expected metre, km, dm, cm, mm, foot or us-survey-foot",
-             options.vertical_unit);
-    }
-    facts.vertical_unit = options.vertical_unit;
-    facts.metres_per_unit = *metres;
+  if (options.vertical_unit) {
+    facts.vertical_unit = name_of(*options.vertical_unit);
+    const std::optional<double> metres = metres_in(facts.vertical_unit);
+    facts.metres_per_unit = metres.value();
     if (!stated.empty() && metres_in(stated) != metres) {
       facts.notes.push_back(fmt::format("states heights in \"{}\"; Talus used InputOptions::vertical_unit {}", stated,
-                                        options.vertical_unit));
+                                        facts.vertical_unit));
     }
     return;
   }

@@ -1,5 +1,5 @@
 // Steps: choose windows, read their truth, choose tolerances by counting vertices, measure them from coarse to fine,
-// find the tolerance for a time budget, draw maps.
+// find the tolerance for a time limit, draw maps.
 
 #include "talus/accuracy.hpp"
 
@@ -32,7 +32,7 @@ namespace {
 // a coarser one if it needs few more than the border.
 constexpr double kHardlyLess = 0.98, kHardlyGained = 0.01, kMost = 0.8, kHardlyMore = 1.1;
 constexpr std::size_t kMostSteps = 18;
-constexpr int kTries = 4;                           // questions to find the tolerance for a budget
+constexpr int kTries = 4;                           // questions to find the tolerance for a time limit
 constexpr double kNearlyTheSame = 1.25;             // ratio of the times of neighbouring steps
 constexpr int kColdRounds = 3;                      // if there is one window; with several, the median is over windows
 constexpr int kLeastRounds = 5, kMostRounds = 101;  // rounds of warm answers
@@ -165,7 +165,7 @@ class Study {
     if (options_.progress) options_.progress(all_ > 0 ? std::min(done_ / all_, 0.999) : 0, stage.c_str());
   }
   void read_truth(const Snapshot& now) {
-    report.has_truth = options_.truth || description_.finest_tolerance == 0;
+    report.has_truth = options_.truth || description_.finest_tolerance.value == 0;
     if (!report.has_truth) return;
     for (const GridRect& window : report.windows)
       truth_.push_back(options_.truth ? options_.truth(window) : now.samples(window));
@@ -207,9 +207,10 @@ class Study {
       }
     }
     // Beside voids, errors may exceed the range of heights.
-    largest = std::min(largest, (description_.maximum - description_.minimum) * description_.metres_per_unit);
+    largest =
+        std::min(largest, (description_.maximum_height - description_.minimum_height) * description_.metres_per_unit);
     // Below this tolerance, all answers are equal.
-    const double floor = std::max(description_.lossy_metres, description_.finest_tolerance);
+    const double floor = std::max(description_.lossy.value, description_.finest_tolerance.value);
     if (!(largest > floor)) {
       add_step(now, Metres{floor});
       return;
@@ -362,20 +363,20 @@ class Study {
     return seconds;
   }
 
-  /// Finds the tolerance for the time budget between the two points around it: first by a straight line in logarithms,
+  /// Finds the tolerance for the time limit between the two points around it: first by a straight line in logarithms,
   /// then by halving. If the two take nearly the same time, the difference is noise, and the coarser one is the advice.
   void advise() {
     AccuracyAdvice& advice = report.advice;
     std::vector<AccuracyPoint>& points = report.points;
-    if (!options_.budget_seconds) {
+    if (!options_.limit_seconds) {
       advice.point = (points.size() - 1) / 2;
       advice.is_finest = points.size() == 1;
-      advice.budget_seconds = two_digits(points[*advice.point].warm_seconds);
+      advice.limit_seconds = two_digits(points[*advice.point].warm_seconds);
       return;
     }
-    advice.budget_seconds = *options_.budget_seconds;
+    advice.limit_seconds = *options_.limit_seconds;
     std::size_t over = 0;
-    while (over < points.size() && seconds_for(over) <= advice.budget_seconds) ++over;
+    while (over < points.size() && seconds_for(over) <= advice.limit_seconds) ++over;
     if (over == 0) return;
     advice.point = over - 1;
     advice.is_finest = over == points.size();
@@ -385,7 +386,7 @@ class Study {
     if (!(fine.tolerance.value > 0)) return;
     const double least = seconds_for(over - 1), most = seconds_for(over);
     if (most < kNearlyTheSame * least) return;
-    const double share = std::log(advice.budget_seconds / least) / std::log(most / least);
+    const double share = std::log(advice.limit_seconds / least) / std::log(most / least);
     double tolerance =
         coarse.tolerance.value * std::pow(fine.tolerance.value / coarse.tolerance.value, std::clamp(share, 0.0, 1.0));
     double within = coarse.tolerance.value, over_it = fine.tolerance.value;
@@ -394,7 +395,7 @@ class Study {
       tolerance = two_digits(tolerance);
       if (!(tolerance < within && tolerance > over_it)) break;
       AccuracyPoint tried = measure_between(coarse, Metres{tolerance}, fine);
-      const bool is_within = tried.warm_seconds <= advice.budget_seconds;
+      const bool is_within = tried.warm_seconds <= advice.limit_seconds;
       (is_within ? within : over_it) = tolerance;
       if (is_within) best = std::move(tried);
       tolerance = std::sqrt(within * over_it);
@@ -452,8 +453,8 @@ class Study {
     const GridMapping& m = description_.mapping;
     const double x = (m.x(window.first.col) + m.x(window.last.col)) / 2,
                  y = (m.y(window.first.row) + m.y(window.last.row)) / 2;
-    map.width_m = ground.metres({m.x(window.first.col), y}, {m.x(window.last.col), y});
-    map.height_on_ground_m = ground.metres({x, m.y(window.first.row)}, {x, m.y(window.last.row)});
+    map.width = Metres{ground.metres({m.x(window.first.col), y}, {m.x(window.last.col), y})};
+    map.height = Metres{ground.metres({x, m.y(window.first.row)}, {x, m.y(window.last.row)})};
     return map;
   }
 

@@ -34,7 +34,7 @@ void require_quantum(const Description& d, Metres quantum) {
     refuse("quantum {} m: expected a finite number of metres above 0", quantum.value);
   // Larger multiples are not exact in doubles and streams.
   constexpr double kMostQuanta = 1e15;
-  const double largest_m = std::max(std::abs(d.minimum), std::abs(d.maximum)) * d.metres_per_unit;
+  const double largest_m = std::max(std::abs(d.minimum_height), std::abs(d.maximum_height)) * d.metres_per_unit;
   if (largest_m / kMostQuanta > quantum.value) {
     refuse("quantum {} m: heights reach {} m, which is more than {} multiples of it. Choose a larger quantum",
            quantum.value, largest_m, kMostQuanta);
@@ -45,9 +45,9 @@ void require_quantum(const Description& d, Metres quantum) {
 void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
   require_quantum(d, quantum);
   const double off = rounding_of(d, quantum);
-  if (off > tolerance.value - d.lossy_metres) {
+  if (off > tolerance.value - d.lossy.value) {
     const std::string before =
-        d.lossy_metres > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy_metres) : "";
+        d.lossy.value > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy.value) : "";
     refuse(
         "multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m. Choose a smaller quantum or "
         "a larger tolerance",
@@ -93,11 +93,11 @@ void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off)
 void require_some_tolerance(const Description& d, Metres tolerance, const char* heights) {
   if (tolerance.value == 0 || !std::isfinite(tolerance.value))
     refuse("{} heights at a tolerance of {} m: expected a finite tolerance above 0", heights, tolerance.value);
-  if (tolerance.value <= d.lossy_metres) {
+  if (tolerance.value <= d.lossy.value) {
     refuse(
         "{} heights at a tolerance of {} m: ingest has rounded heights by up to {} m already. Choose a larger "
         "tolerance, or exact heights",
-        heights, tolerance.value, d.lossy_metres);
+        heights, tolerance.value, d.lossy.value);
   }
 }
 
@@ -116,7 +116,7 @@ Metres quantum_for(const Description& d, Metres tolerance) {
 }
 
 Metres dense_quantum(const Description& d, Metres tolerance) {
-  const double left = std::max(0.0, tolerance.value - std::max(d.lossy_metres, d.finest_tolerance));
+  const double left = std::max(0.0, tolerance.value - std::max(d.lossy.value, d.finest_tolerance.value));
   if (!d.step.integer || d.step.offset != 0) return Metres{2 * left};
   return Metres{(2 * std::floor(left / step_metres(d)) + 1) * step_metres(d)};
 }
@@ -153,7 +153,7 @@ Answer fitted(const RoundedQuestion& q, Metres quantum) {
   const Description& d = q.pages.manifest().description;
   require_some_tolerance(d, q.tolerance, "fitted");
   // A finer quantum needs fewer vertices, but more bits for each: docs/accuracy.md.
-  if (quantum.value == 0) quantum = Metres{(q.tolerance.value - d.lossy_metres) / 2};
+  if (quantum.value == 0) quantum = Metres{(q.tolerance.value - d.lossy.value) / 2};
   require_quantum(d, q.tolerance, quantum);
   Answer answer = split_answer(q, quantum, SplitHeights::fitted);
   if (!(answer.quadtree.bound.value <= q.tolerance.value + 2 * kRoundingMargin)) return bounded(q, quantum);

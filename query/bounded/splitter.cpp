@@ -361,7 +361,7 @@ class Splitter {
     const double unit = description_.metres_per_unit;
     const bool rounds =
         !CodeDistance(description_.step, unit).is_binary() || !description_.step.integer || !rounded_.is_exact();
-    q.bound = Metres{farthest_ * unit + description_.lossy_metres + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
+    q.bound = Metres{farthest_ * unit + description_.lossy.value + (rounds && farthest_ > 0 ? kRoundingMargin : 0.0)};
     q.origin = f.origin;
     q.origin.is_plain = false;
     // Without finer levels, each triangle is one that was checked, or one without a midpoint.
@@ -391,7 +391,7 @@ class Splitter {
   GridRect region_ = question_.region;
   std::int32_t root_ = root_side(description_.extent);
   /// In the vertical unit.
-  double limit_ = (question_.tolerance.value - description_.lossy_metres) / description_.metres_per_unit;
+  double limit_ = (question_.tolerance.value - description_.lossy.value) / description_.metres_per_unit;
   Answer finest_ = exact_answer(
       question_, fits_ ? Metres{0} : Metres{question_.tolerance.value - rounding_of(description_, quantum_)});
   Rounding rounded_{description_, quantum_};

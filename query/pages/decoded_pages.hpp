@@ -1,5 +1,5 @@
 #pragma once
-// Pages for checks that look at neighbours: the last ones stay decoded, and damage is remembered instead of thrown.
+// Decoded pages for checks that compare neighbours. The pages used last are kept; damage is reported, not thrown.
 
 #include <cstdint>
 #include <list>
@@ -14,13 +14,13 @@ namespace talus {
 
 class DecodedPages {
  public:
-  /// Memory: about 300 kB a page.
+  /// most  pages kept, about 300 kB each
   explicit DecodedPages(const StoredPages& pages, std::size_t most = 160) : pages_(pages), most_(most) {}
 
   struct Found {
     std::shared_ptr<const Page> page;  ///< null: not stored, or damaged
     std::uint32_t generation = 0;
-    std::string damage;  ///< what is wrong with it; empty: nothing
+    std::string damage;  ///< what is wrong with the page; empty: the page is sound
     [[nodiscard]] bool is_damaged() const { return !damage.empty(); }
   };
   /// fails  io
@@ -34,7 +34,7 @@ class DecodedPages {
   const StoredPages& pages_;
   std::size_t most_;
   PageDecoder decoder_;
-  Kept by_use_;  ///< last used first
+  Kept by_use_;  ///< the page used last comes first
   std::map<Key, Kept::iterator> places_;
 };
 

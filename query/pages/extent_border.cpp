@@ -17,7 +17,7 @@ ExtentBorder::ExtentBorder(GridRect extent) : extent_(extent), vertices_(border_
 }
 
 bool ExtentBorder::contains(GridPoint p) const {
-  // What the border needs is never far from it: most vertices need no search.
+  // All vertices that the border needs are near it, so most others need no search.
   return is_near_border(p, extent_) && std::binary_search(vertices_.begin(), vertices_.end(), p, kRowByRow);
 }
 

@@ -7,10 +7,10 @@
 
 namespace talus {
 
-/// Made once for a snapshot.
+/// These vertices, sorted. A snapshot makes them once.
 class ExtentBorder {
  public:
-  /// cost  in proportion to the extent's sides
+  /// cost  time in proportion to the extent's sides
   explicit ExtentBorder(GridRect extent);
   [[nodiscard]] bool contains(GridPoint p) const;
   [[nodiscard]] const std::vector<GridPoint>& vertices() const { return vertices_; }

@@ -9,7 +9,7 @@ const Page* KeptHeights::page_with(GridPoint p) {
   if (band.page == nullptr || band.id != id) {
     band.page = nullptr;
     if (!pages_.transaction().has({id.band, curve_position(id)})) return nullptr;
-    band.page = &pages_.get(id, 0, band.decoder, cost_);  // updates need all samples: there are none
+    band.page = &pages_.get(id, 0, band.decoder, cost_);  // 0: updates need all samples, so there are none
     band.id = id;
   }
   return band.page;

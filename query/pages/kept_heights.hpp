@@ -8,23 +8,23 @@
 
 namespace talus {
 
-/// Where heights were dropped: a vertex that the finest answer does not need lies on its surface, halfway between
-/// the ends of the side or diagonal it stands on. A border may need one; it then changes no surface.
+/// Computes dropped heights. A vertex that the finest answer does not need lies on its surface, halfway between the
+/// ends of its side or diagonal. A border may need such a vertex; it then changes no surface.
 ///
-/// Why that keeps the promise: with a vertex, all that depend on it were dropped, so below a triangle whose corners
-/// were kept and whose midpoint was not, everything lies in that triangle's plane, and that is within the error of the
-/// midpoint of every sample. Such a triangle there is above every triangle of an answer, because whatever has a
-/// triangle that leaves the extent was kept (is_near_border).
+/// Why every sample stays within the bound: when a vertex was dropped, all its descendants were dropped, too. Take a
+/// triangle with three kept corners and a dropped midpoint. All its vertices lie in its plane, and every sample lies
+/// within the midpoint's error of this plane. A triangle of an answer with a dropped corner always lies in such a
+/// triangle, because vertices with a triangle that leaves the extent were kept (is_near_border).
 class KeptHeights {
  public:
   KeptHeights(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost) {}
 
-  /// Whether sample i of a page, a vertex of its band at p, stands at its own height. A page may hold more heights.
+  /// Whether the height of sample i at p, an own vertex, was kept. A page may have more heights than those.
   [[nodiscard]] bool is_kept(const Page& page, std::size_t i, GridPoint p) const {
     return all_kept_ || page.error(i, pages_.distance()) > largest_dropped_ || is_near_border(p, page.extent);
   }
-  /// In height codes; 0 where nothing needs a height and none is stored.
-  /// fails  corrupt: a page
+  /// The height in height codes; 0 if no page has the vertex, because no triangle needs its height.
+  /// fails  corrupt: a damaged page
   [[nodiscard]] double at(GridPoint p);
 
  private:
@@ -37,9 +37,9 @@ class KeptHeights {
 
   const StoredPages& pages_;
   QueryCost& cost_;
-  bool all_kept_ = pages_.manifest().description.kept_above() == 0;
-  ErrorCode largest_dropped_ = largest_code_within(pages_.manifest().description.kept_above());
-  /// The page last used of each.
+  bool all_kept_ = pages_.manifest().description.kept_above().value == 0;
+  ErrorCode largest_dropped_ = largest_code_within(pages_.manifest().description.kept_above().value);
+  /// The page of each band that was used last.
   std::vector<Band> bands_ = std::vector<Band>(static_cast<std::size_t>(pages_.manifest().bands));
   std::unordered_map<std::uint64_t, double> found_;
 };

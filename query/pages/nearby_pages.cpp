@@ -19,7 +19,7 @@ const Page* NearbyPages::page_at(Place& place) {
 NearbyPages::Place& NearbyPages::place(PageId id) {
   Place& place = bands_[static_cast<std::size_t>(id.band)][static_cast<std::size_t>((id.x & 1) | (id.y & 1) << 1)];
   if (place.id == id) return place;
-  place.id.band = -1;  // nobody's, should the pages above fail
+  place.id.band = -1;  // this place stays empty if a page above fails
   place.page = nullptr;
   place.entry = look_up(id);
   place.id = id;

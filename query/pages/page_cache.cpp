@@ -5,8 +5,8 @@
 namespace talus {
 namespace {
 
-/// Threads rarely meet in one of sixteen; a shard should hold several pages, which are about a quarter of a MiB, so a
-/// small cache has fewer.
+/// With sixteen shards, threads rarely wait for one another. A shard should hold several pages of about 256 KiB, so a
+/// small cache has fewer shards.
 constexpr std::uint64_t kMostShards = 16, kLeastBytesOfShard = std::uint64_t{4} << 20;
 
 template <class T>
@@ -26,7 +26,7 @@ PageCache::PageCache(std::uint64_t most_bytes)
       most_bytes_of_shard_(most_bytes / shards_.size()) {}
 
 std::size_t PageCache::Hash::operator()(const Key& key) const {
-  // Neighbours on the curve are asked for together: they should not stand in one shard.
+  // Spreads neighbours on the curve over the shards, because they are read together.
   const std::uint64_t mixed =
       (key.position + static_cast<std::uint64_t>(key.band) * 0x9e3779b97f4a7c15) ^ std::uint64_t{key.generation} << 32;
   return static_cast<std::size_t>(mixed * 0x9e3779b97f4a7c15 >> 24);
@@ -48,7 +48,7 @@ std::shared_ptr<const Page> PageCache::keep(const Key& key, const Page& page) {
   auto mine = copy(page);
   const std::uint64_t bytes = bytes_of(*mine);
   if (bytes > most_bytes_of_shard_) return mine;
-  std::list<Kept> dropped;  // outlives the lock: pages are recycled without it
+  std::list<Kept> dropped;  // destroyed after the lock: pages are recycled without the lock
   Shard& shard = shard_of(key);
   const std::lock_guard lock(shard.mutex);
   if (const auto found = shard.places.find(key); found != shard.places.end()) return found->second->page;
@@ -76,7 +76,7 @@ std::shared_ptr<const Page> PageCache::copy(const Page& page) const {
   if (!memory) memory = std::make_unique<Page>();
   *memory = page;
   return {memory.release(), [recycled = recycled_](const Page* given) {
-            std::unique_ptr<Page> back(const_cast<Page*>(given));  // it was made as a Page above
+            std::unique_ptr<Page> back(const_cast<Page*>(given));  // safe: it was made as a mutable Page above
             const std::lock_guard lock(recycled->mutex);
             if (recycled->pages.size() < recycled->decoders_made) recycled->pages.push_back(std::move(back));
           }};
@@ -87,7 +87,7 @@ PageCache::BorrowedDecoder PageCache::borrow_decoder() {
   if (recycled_->decoders.empty()) {
     recycled_->decoders.push_back(std::make_unique<PageDecoder>());
     ++recycled_->decoders_made;
-    // Giving back must not need memory.
+    // Reserved here, because the return of a decoder or page must not need memory.
     recycled_->decoders.reserve(recycled_->decoders_made);
     recycled_->pages.reserve(recycled_->decoders_made);
   }

@@ -14,45 +14,44 @@
 
 namespace talus {
 
-/// Keeps what was used last, up to a number of bytes. May be asked from several threads at once; a page that was handed
-/// out stays valid for as long as somebody holds it, kept or not.
+/// Keeps the pages used last, up to a number of bytes. Several threads may use it at once. A page stays valid while a
+/// caller holds it, even when the cache has dropped it.
 ///
-/// Memory is used again rather than given back: a page that nobody holds any more becomes the memory of the next, and
-/// decoders wait for the next who needs one. Memory that is fresh from the system costs more than to decode into it
-/// (bench_query, BM_PageCache).
+/// The memory of pages and decoders that nobody holds is used again. Fresh memory from the system would cost more time
+/// than the decoding (bench_query, BM_PageCache).
 class PageCache {
  public:
-  /// most_bytes  of all pages kept, 0: none is kept. A page larger than a shard's part is not kept either.
+  /// most_bytes  memory for all kept pages; 0: none is kept. A page larger than a shard is not kept either.
   explicit PageCache(std::uint64_t most_bytes);
 
   struct Key {
     int band = 0;
-    std::uint64_t position = 0;  ///< on the curve of the band
+    std::uint64_t position = 0;  ///< position on the curve of the band
     std::uint32_t generation = 0;
     friend bool operator==(const Key&, const Key&) = default;
   };
 
-  /// The page, now the last to go; null if it is not kept.
+  /// The page, or null if it is not kept. The cache drops it after all others.
   [[nodiscard]] std::shared_ptr<const Page> find(const Key& key);
-  /// A copy of a page to hold, and to find. Of two threads that decoded the same page both get the first one's.
+  /// Keeps a copy of a page and returns it. If two threads decoded the same page, both get the first copy.
   [[nodiscard]] std::shared_ptr<const Page> keep(const Key& key, const Page& page);
 
   struct GiveBack;
   using BorrowedDecoder = std::unique_ptr<PageDecoder, GiveBack>;
-  /// One that nobody else uses.
+  /// A decoder that nobody else uses. It returns to the cache when it is destroyed.
   [[nodiscard]] BorrowedDecoder borrow_decoder();
 
   [[nodiscard]] std::uint64_t most_bytes() const { return most_bytes_of_shard_ * shards_.size(); }
-  /// Of all pages kept now: never more than the bound.
+  /// Memory of all pages that are kept now; at most most_bytes().
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:
-  /// What is used again. Pages outlive the cache where somebody holds one: they share this.
+  /// Memory to be used again. Pages share it, because a page may outlive the cache.
   struct Recycled {
     std::mutex mutex;
     std::vector<std::unique_ptr<PageDecoder>> decoders;
     std::vector<std::unique_ptr<Page>> pages;  ///< at most one for each decoder
-    std::size_t decoders_made = 0;             ///< as many as threads ever decoded at once
+    std::size_t decoders_made = 0;             ///< the most threads that decoded at once
   };
   struct Hash {
     std::size_t operator()(const Key& key) const;
@@ -64,7 +63,7 @@ class PageCache {
   };
   struct Shard {
     mutable std::mutex mutex;
-    std::list<Kept> by_use;  ///< last used first
+    std::list<Kept> by_use;  ///< the page used last comes first
     std::unordered_map<Key, std::list<Kept>::iterator, Hash> places;
     std::uint64_t bytes = 0;
   };
@@ -76,7 +75,7 @@ class PageCache {
   std::uint64_t most_bytes_of_shard_;
 };
 
-/// Hands a decoder back to its cache.
+/// Returns a decoder to its cache.
 struct PageCache::GiveBack {
   std::shared_ptr<Recycled> to;
   void operator()(PageDecoder* decoder) const;

@@ -1,12 +1,12 @@
 #pragma once
-// The way down through the pages of a region: only a page above tells one that is missing from one that holds voids.
+// The way down through the pages of a region. Only the parent page knows whether a page is missing or has only voids.
 
 #include "engine/page/manifest.hpp"
 #include "engine/page/page_codec.hpp"
 
 namespace talus {
 
-/// visit(id, generation): the pages of the coarsest band that overlap a region, where every descent begins.
+/// Calls visit(id, generation) for the pages of the coarsest band that overlap a region. Every descent begins there.
 template <class Visit>
 void for_each_top(const Manifest& manifest, GridRect region, Visit&& visit) {
   const std::vector<PageId> tops = pages_of_band(manifest.bands - 1, manifest.description.extent);
@@ -15,7 +15,7 @@ void for_each_top(const Manifest& manifest, GridRect region, Visit&& visit) {
   }
 }
 
-/// visit(id, entry): the stored pages below `id` that overlap a region.
+/// Calls visit(id, entry) for the stored child pages of `id` that overlap a region.
 template <class Visit>
 void for_each_child(PageId id, std::span<const ChildEntry> children, GridRect region, Visit&& visit) {
   for (std::size_t i = 0; i < children.size(); ++i) {

@@ -18,7 +18,7 @@ void PageFates::begin() {
 
 std::uint64_t& PageFates::left_out(PageId id) {
   if (!overlap(page_square(id), region_)) return band(id).outside;
-  // The coarsest band has all coarser levels, too.
+  // The coarsest band also has all coarser levels, so it is never too fine.
   const bool is_too_fine = band_shift(id.band + 1) <= finest_height_ && id.band + 1 < manifest_.bands;
   return is_too_fine ? band(id).too_fine : band(id).below_tolerance;
 }

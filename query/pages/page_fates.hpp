@@ -1,26 +1,26 @@
 #pragma once
-// Counts what becomes of the pages of a region.
+// Counts which pages of a region are read, and why others are not.
 
 #include "query/pages/stored_pages.hpp"
 
 namespace talus {
 
-/// BandCost in the making. A page is counted as left out when the page above it is looked into, and taken from there
-/// when it is looked into itself; so whoever walks need not say why it passed a page by.
+/// Fills BandCost. When a page is read, its child pages count as left out. When a child page is read later, it moves to
+/// the pages that were read. So a caller need not say why it leaves out a page.
 class PageFates {
  public:
-  /// finest_height  log2 of the smallest spacing that is asked for
+  /// finest_height  log2 of the smallest spacing in the answer
   PageFates(const StoredPages& pages, GridRect region, QueryCost& cost, int finest_height = 0);
 
-  /// Counts the region's pages, and those that none is above. Once: where several threads count, in one of their costs.
+  /// Counts the region's pages, and the pages of the coarsest band. If several threads count, only one calls this.
   void begin();
 
-  /// A page is looked into, not for the second time. Not wanted: for the border or a point only.
+  /// Counts a page that is read for the first time. is_wanted: false if only the border or a point needs it.
   void look_into(const Page& page, bool is_wanted);
 
  private:
   [[nodiscard]] BandCost& band(PageId id) { return cost_.bands[static_cast<std::size_t>(id.band)]; }
-  /// Where a stored page counts that was left out.
+  /// The count for a stored page that was not read.
   [[nodiscard]] std::uint64_t& left_out(PageId id);
 
   const Manifest& manifest_;

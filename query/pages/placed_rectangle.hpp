@@ -1,5 +1,5 @@
 #pragma once
-// Rectangles in CRS coordinates, on the grid.
+// Converts rectangles in CRS coordinates to regions of the grid.
 
 #include "engine/geo/longitude.hpp"
 #include "talus/database.hpp"

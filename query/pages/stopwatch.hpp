@@ -1,11 +1,11 @@
 #pragma once
-// How long a step takes.
+// Measures the time of a step.
 
 #include <chrono>
 
 namespace talus {
 
-/// Adds the seconds that it lives.
+/// Adds the seconds from its construction to its destruction.
 class Stopwatch {
  public:
   explicit Stopwatch(double& seconds) : seconds_(seconds) {}

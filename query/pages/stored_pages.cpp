@@ -24,8 +24,8 @@ struct StoredPages::Lazy {
   Identity identity;
 };
 
-// The manifest alone would not do: two rasters may share all that it says. The file's seal would be another where the
-// same pages lie elsewhere in the file, and stands at a path that may be another file's by now.
+// Two different rasters may have the same manifest, so the digest also covers the provenance. The file's seal cannot be
+// used: it changes when the same pages move in the file, and the path may name another file by now.
 Identity StoredPages::identity() const {
   std::call_once(lazy_->identity_once, [&] {
     std::vector<std::byte> said;
@@ -64,7 +64,7 @@ StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cach
 
 namespace {
 
-/// Null where a cost is not told by band.
+/// Null if a cost is not counted by band.
 BandCost* band_in(QueryCost& cost, PageId id) {
   const auto band = static_cast<std::size_t>(id.band);
   return band < cost.bands.size() ? &cost.bands[band] : nullptr;
@@ -96,9 +96,9 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
   cost.bytes_read += bytes;
   if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
   if (page->generation != expected.value_or(page->generation))
-    corrupt(fmt::format("stale: written by update {}, {} is expected", page->generation, *expected));
+    corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
-  // A decoded page counts if the file had all its bytes until the end.
+  // Fails if the file became shorter meanwhile.
   try {
     const Page& decoded =
         (decoder.*decode)(id, manifest_.description.extent, manifest_.bands, distance_, page->content);

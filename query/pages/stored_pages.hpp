@@ -16,41 +16,40 @@ namespace talus {
 class ExtentBorder;
 class Longitudes;
 
-/// May be asked from several threads at once.
+/// The pages of one snapshot. Several threads may use it at once.
 class StoredPages {
  public:
-  /// fails  corrupt, unsupported: no header, a damaged one, another version
+  /// fails  corrupt: no header, or a damaged one; unsupported: another version
   StoredPages(const PageStore& store, std::shared_ptr<PageCache> cache);
 
   [[nodiscard]] const Manifest& manifest() const { return manifest_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] const CodeDistance& distance() const { return distance_; }
   [[nodiscard]] const ReadTxn& transaction() const { return txn_; }
-  /// Of the whole raster, made when first asked for.
+  /// The border of the whole raster, made by the first call.
   [[nodiscard]] const ExtentBorder& extent_border() const;
-  /// Of a geographic CRS, where longitudes a full turn apart are one place.
+  /// The longitudes of the raster. In a geographic CRS, longitudes a full turn apart are one place.
   [[nodiscard]] Longitudes longitudes() const;
-  /// Of what the header's pages say, read when first asked for. An update changes it even where it changes nothing
-  /// else.
+  /// A digest of the header's pages, computed by the first call. Every update changes it.
   [[nodiscard]] Identity identity() const;
-  /// Nothing was asked yet; every band is there to be counted in.
+  /// The cost of the header, with an empty count for each band. Every question starts with it.
   [[nodiscard]] QueryCost cost_of_header() const;
 
-  /// For one thread's question.
+  /// A decoder for one thread.
   [[nodiscard]] PageCache::BorrowedDecoder borrow_decoder() const { return cache_->borrow_decoder(); }
 
-  /// A page that must be there, of the generation that the page above it (or the header) says; until the decoder's
-  /// next. Adds what it cost.
-  /// fails  corrupt: missing, stale or damaged; io: the file has become shorter, or its disk fails
+  /// Reads a page that must exist, in the generation that its parent page or the header says. It is valid until the
+  /// decoder decodes another page. Adds to the cost.
+  /// fails  corrupt: a missing, stale or damaged page; io: the file has become shorter, or its disk fails
   [[nodiscard]] const Page& get(PageId id, std::uint32_t generation, PageDecoder& decoder, QueryCost& cost) const;
-  /// The same page to share, for as long as it is held: from the cache if it is there, which counts as cached and not
-  /// as read, else read and left in the cache.
+  /// The same page, valid as long as it is held. From the cache it counts as cached; otherwise it is read, counts as
+  /// read, and is added to the cache.
   [[nodiscard]] std::shared_ptr<const Page> shared(PageId id, std::uint32_t generation, QueryCost& cost) const;
-  /// Whether the pages of a region are few enough to leave them in the cache, beside others.
+  /// Whether the pages of a region fit into half of the cache.
   [[nodiscard]] bool would_keep(GridRect region) const;
-  /// The same of whatever generation: for those that come past the pages above it.
+  /// The same for any generation, which it returns. For callers that have not read the parent page.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
-  /// A page without its errors.
+  /// Reads a page without its errors.
   [[nodiscard]] const Page& get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
                                         QueryCost& cost) const;
 

@@ -6,14 +6,14 @@
 
 namespace talus {
 
-void Watch::cancel() { throw Failure(Cause::cancelled, "cancelled: Question::stop asked for the end"); }
+void Watch::cancel() { throw Failure(Cause::cancelled, "cancelled: Question::stop was requested"); }
 
 void Watch::add_bytes(std::uint64_t bytes) {
   if (limits_.memory_bytes == 0) return;
   const std::uint64_t now = bytes_.fetch_add(bytes, std::memory_order_relaxed) + bytes;
   if (now <= limits_.memory_bytes) return;
   fail(Cause::too_large,
-       "the answer takes {} bytes or more, and Limits::memory_bytes allows {}: ask for a smaller region or a larger "
+       "the answer needs {} bytes or more, and Limits::memory_bytes allows {}: ask for a smaller region or a larger "
        "tolerance",
        now, limits_.memory_bytes);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What a question is held to while it is worked on.
+// Stop token, limits and progress of a question that Talus works on.
 
 #include <atomic>
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace talus {
 
-/// Ends a question that its caller has cancelled or that needs more than it may, and tells how far it is. Looking costs
-/// one load: it is done for each page and for each triangle that is held against samples.
+/// Ends a question that its caller has cancelled or that exceeds its limits, and reports progress. look() costs one
+/// load. It is called for each page, and for each triangle that is compared with samples.
 ///
-/// Threads: all may call look() and the add functions; only the asking one may call stage() and tell().
+/// Threads: all may call look() and the add functions. Only the thread that asks may call stage() and tell().
 class Watch {
  public:
-  /// A question that may go on for as long as it likes.
+  /// A question without limits, which nobody can cancel.
   Watch() = default;
   explicit Watch(const Question& question)
       : stop_(question.stop), progress_(question.progress), limits_(question.limits) {}
@@ -27,17 +27,17 @@ class Watch {
   void look() const {
     if (stop_.stop_requested()) cancel();
   }
-  /// Counts what the answer and the work on it take, before it is asked of the system.
+  /// Counts memory for the answer and the work on it, before it is allocated.
   /// fails  too_large
   void add_bytes(std::uint64_t bytes);
-  /// What was counted and is free again.
+  /// Subtracts memory that was counted and is free again.
   void give_back(std::uint64_t bytes);
-  /// Counts vertices of the answer; `require_vertices` has the count already.
+  /// Counts vertices of the answer. require_vertices() only checks a count.
   /// fails  too_large
   void add_vertices(std::uint64_t vertices);
   void require_vertices(std::uint64_t vertices) const;
 
-  /// While one lives, vertices are counted by the bytes they take alone: they are not the answer's.
+  /// While it exists, vertices count for the memory limit only, because they are not in the answer.
   class Aside {
    public:
     explicit Aside(Watch& watch) : watch_(watch) { watch_.is_aside_ = true; }
@@ -49,9 +49,9 @@ class Watch {
     Watch& watch_;
   };
 
-  /// What follows is this stage, and goes from one share of the whole work to another.
+  /// Begins a stage of the work. `from` and `to` are its shares of the whole work, 0 to 1.
   void stage(const char* name, double from, double to);
-  /// A share of the stage, 0 to 1. Looks first; passes on what the caller's function throws.
+  /// Reports a share of the stage, 0 to 1, after a look(). The caller's function may throw.
   void tell(double share);
 
  private:
@@ -66,13 +66,13 @@ class Watch {
   double from_ = 0, to_ = 1, told_ = -1;
 };
 
-/// Nobody waits for it and it has no limits: for questions that Talus asks itself. It counts nothing, so that any
-/// number of threads may share it.
+/// A watch without limits, for questions that Talus asks itself. It counts nothing, so any number of threads may share
+/// it.
 [[nodiscard]] Watch& unwatched();
 
-/// Bytes of a sealed mask over a region.
+/// Memory of a sealed mask over a region.
 [[nodiscard]] std::uint64_t bytes_of_mask(GridRect region);
-/// Bytes of a vertex: as it was found, and in the quadtree.
+/// Memory of a vertex, in the list of found vertices and in the quadtree together.
 inline constexpr std::uint64_t kBytesAVertex = 26;
 
 }  // namespace talus

@@ -19,7 +19,7 @@ void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) 
     here.at[k] = page.grid.at(col, row);
     here.heights[k] = kept_.is_kept(page, i, here.at[k]) ? page.heights[i] : kept_.at(here.at[k]);
     if (!page.covers.empty()) here.covers[k] = page.covers[i];
-    // A void that no triangle needs has what its page's codec makes of it, which may be far beyond all heights.
+    // The codec decodes some number for a void that no triangle needs. It may lie far outside the range of heights.
     if (!page.is_data(i) && !is_height(here.heights[k])) here.heights[k] = 0;
   }
 }
@@ -27,7 +27,7 @@ void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) 
 bool AnswerBuilder::is_height(double code) const {
   const Description& d = pages_.manifest().description;
   const double height = d.step.value(code);
-  return height >= d.minimum && height <= d.maximum;
+  return height >= d.minimum_height && height <= d.maximum_height;
 }
 
 RestrictedQuadtree AnswerBuilder::quadtree(GridRect region, VertexMask vertices) const {
@@ -50,7 +50,7 @@ RestrictedQuadtree AnswerBuilder::quadtree(std::span<const AnswerBuilder* const>
     }
   }
   vertices.seal();
-  if (vertices.size() != count) {  // border vertices amid voids, in pages that were never stored
+  if (vertices.size() != count) {  // some border vertices lie amid voids, in pages that are not stored
     vertices = VertexMask(vertices.region());
     for (const AnswerBuilder* part : parts) {
       for (const OfPage& page : part->pages_found_) {

@@ -10,7 +10,7 @@
 
 namespace talus {
 
-/// A sample of a page, by its place there.
+/// The place of a sample in its page.
 struct PageSample {
   std::uint16_t col, row;
 };
@@ -18,26 +18,26 @@ struct PageSample {
 /// Collects vertices page by page, then makes a quadtree of them.
 class AnswerBuilder {
  public:
-  /// expected_bytes  of what is found, sixteen a vertex; more is found room for
+  /// expected_bytes  memory for the vertices, 16 bytes each; it grows when there are more
   AnswerBuilder(const StoredPages& pages, QueryCost& cost, std::size_t expected_bytes = std::size_t{1} << 16)
       : pages_(pages), cost_(cost), kept_(pages, cost), memory_(expected_bytes, &large_) {}
   AnswerBuilder(const AnswerBuilder&) = delete;
   AnswerBuilder& operator=(const AnswerBuilder&) = delete;
 
   void begin_page() { pages_found_.emplace_back(&memory_); }
-  /// An own vertex of the page that was begun.
+  /// Adds an own vertex, sample i at p, of the page that begin_page() began.
   void take(const Page& page, std::size_t i, GridPoint p) {
     OfPage& here = pages_found_.back();
     here.at.push_back(p);
     here.heights.push_back(kept_.is_kept(page, i, p) ? page.heights[i] : kept_.at(p));
     if (!page.covers.empty()) here.covers.push_back(page.covers[i]);
   }
-  /// All that are taken of a page.
+  /// Adds all selected vertices of a page at once, without begin_page().
   void take(const Page& page, std::span<const PageSample> samples);
 
-  /// `vertices` must hold those taken and none else but such as nothing needs: their pages are not stored.
+  /// `vertices` holds the added vertices. Border vertices amid voids may be in it, too: the quadtree omits them.
   [[nodiscard]] RestrictedQuadtree quadtree(GridRect region, VertexMask vertices) const;
-  /// Of what several have found.
+  /// One quadtree of the vertices of several builders.
   [[nodiscard]] static RestrictedQuadtree quadtree(std::span<const AnswerBuilder* const> parts, GridRect region,
                                                    VertexMask vertices, int threads);
 

@@ -21,8 +21,8 @@
 namespace talus {
 namespace {
 
-/// Counts what each code adds to an answer, page by page, those with the largest errors first: as soon as the pages
-/// that are left hold nothing above the tolerance that fits, they need not be read.
+/// Counts the vertices and triangles that each error code adds to an answer. It reads pages with the largest errors
+/// first, and stops when the codes above all other pages are over budget.
 class Fitting {
  public:
   Fitting(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost, Watch& watch)
@@ -59,12 +59,12 @@ class Fitting {
     void add(const Sum& s) { vertices += s.vertices, triangles += s.triangles; }
   };
 
-  /// What every answer holds: the border's vertices, as far as they are stored, the root corner, and their triangles.
+  /// Counts what every answer has: the stored vertices of the border, the root corner, and their triangles.
   void count_border() {
     VertexMask mask(region_);
     AnswerBuilder found(pages_, cost_);
     std::vector<GridPoint> needed = border_vertices(region_, root_side(pages_.manifest().description.extent));
-    if (region_.contains({0, 0})) needed.push_back({0, 0});  // a root corner, whatever the tolerance
+    if (region_.contains({0, 0})) needed.push_back({0, 0});  // every tolerance selects the root corner
     for (const GridPoint p : needed) {
       if (!forced_.insert(key(p)).second) continue;
       const Page* page = nearby_.page_of_vertex(p);
@@ -77,8 +77,8 @@ class Fitting {
     border_ = {border.vertices.size(), triangulate(border).triangles.size()};
     if (!fits(border_)) {
       refuse(
-          "a budget of {}: the region's border alone needs {} vertices and {} triangles; a region on multiples of 16 "
-          "samples (snapped()) needs fewest",
+          "budget of {}: the border of the region alone needs {} vertices and {} triangles; ask for more, or for a "
+          "region on multiples of 16 samples (snapped()), which needs fewest",
           budget_text(), border_.vertices, border_.triangles);
     }
   }
@@ -105,8 +105,8 @@ class Fitting {
     });
   }
 
-  /// A vertex turns each half of its diamond into two triangles, of which those with data count. A half that leaves the
-  /// region is never a triangle of an answer.
+  /// A vertex splits each half of its diamond in two, which adds a triangle if both parts hold data. A half that leaves
+  /// the region is never a triangle of an answer.
   [[nodiscard]] std::uint64_t triangles_added(const Page& page, std::size_t i, GridPoint p) const {
     const unsigned covers = page.covers.empty() ? 15u : page.covers[i];
     std::uint64_t added = 0;
@@ -116,8 +116,8 @@ class Fitting {
     return added;
   }
 
-  /// Whether vertices with codes from `least` up, all of which were counted but perhaps those of `least`, are too many:
-  /// the tolerance that fits is then `least` or above.
+  /// Whether the vertices with codes above `least` are over budget: the tolerance that fits is then `least` or above.
+  /// All vertices with such codes were counted.
   [[nodiscard]] bool is_over_from(ErrorCode least) const {
     Sum sum = border_;
     for (std::size_t code = by_code_.size(); code-- > least + 1u;) sum.add(by_code_[code]);
@@ -133,9 +133,9 @@ class Fitting {
     return 0;
   }
 
-  /// The tolerance on the ladder, with what stored heights may be off; rounding must not take a code away from it.
+  /// The rung of a code plus the loss. Where the sum rounds down and excludes the code, the next double above it.
   [[nodiscard]] Metres tolerance_of(ErrorCode code) const {
-    const double lossy = pages_.manifest().description.lossy_metres;
+    const double lossy = pages_.manifest().description.lossy.value;
     double tolerance = error_of(code) + lossy;
     while (largest_code_within(tolerance - lossy) < code)
       tolerance = std::nextafter(tolerance, std::numeric_limits<double>::infinity());
@@ -155,7 +155,7 @@ class Fitting {
   std::unordered_set<std::uint64_t> forced_;
   Sum border_;
   std::priority_queue<Waiting> waiting_;
-  std::vector<Sum> by_code_ = std::vector<Sum>(kAlwaysSelected + 1u);  ///< without the border's
+  std::vector<Sum> by_code_ = std::vector<Sum>(kAlwaysSelected + 1u);  ///< without the border's vertices
 };
 
 }  // namespace

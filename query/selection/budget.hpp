@@ -8,10 +8,10 @@
 namespace talus {
 
 /// The smallest tolerance on the ladder of stored errors (engine/error/error_ladder.hpp) whose answer with a
-/// constrained border fits a budget, see Question::budget. Exact, and without trial: pages with the largest errors are
-/// counted first, until no other can matter.
-/// fails  invalid_argument: a budget that the border alone exceeds, naming what it needs
-/// cost   pages with errors above the result, the border's pages
+/// constrained border fits a budget, see Question::budget. The result is exact: the search counts pages with the
+/// largest errors first, and needs no trial answers.
+/// fails  invalid_argument: the border alone exceeds the budget; the message says what it needs
+/// cost   reads the pages with errors above the result, and the border's pages
 [[nodiscard]] Metres tolerance_for(const StoredPages& pages, GridRect region, const Budget& budget, QueryCost& cost,
                                    Watch& watch = unwatched());
 

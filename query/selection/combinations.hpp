@@ -1,5 +1,5 @@
 #pragma once
-// What does not go together in one question: the one table. docs/questions.md shows it, and a test holds both together.
+// The table of things that one question cannot combine. docs/questions.md shows it, and a test compares both.
 
 #include <array>
 #include <cstddef>
@@ -61,7 +61,7 @@ inline constexpr std::array<FeatureWords, 17> kFeatures{{
   return kFeatures[static_cast<std::size_t>(feature)];
 }
 
-/// Two things that do not go together, and what a caller is told who asks for both.
+/// Two things that do not go together, and the message for a caller who asks for both.
 struct Combination {
   Feature one, other;
   std::string_view sentence;
@@ -73,7 +73,7 @@ inline constexpr std::array<Combination, 29> kRefused{{
      "Question::budget and Question::tolerance both say how exact: give one of them"},
     {Feature::budget, Feature::field, "Question::budget and Question::field both say how exact: give one of them"},
     {Feature::budget, Feature::border,
-     "Question::budget finds the tolerance of a constrained border: it does not go with Question::border"},
+     "Question::budget needs a constrained border: it does not go with Question::border cover or clip"},
     {Feature::budget, Feature::max_level,
      "Question::budget counts the vertices of all levels: it does not go with Question::max_level"},
     {Feature::budget, Feature::points,
@@ -81,17 +81,18 @@ inline constexpr std::array<Combination, 29> kRefused{{
     {Feature::budget, Feature::neighbours,
      "Question::budget does not count vertices for neighbours: it does not go with Question::neighbours"},
     {Feature::from, Feature::field,
-     "Question::from goes on from an answer of one tolerance: it does not go with Question::field"},
+     "Question::from continues an answer of one tolerance: it does not go with Question::field"},
     {Feature::from, Feature::border,
-     "Question::from goes on from an answer with a constrained border: it does not go with Question::border"},
+     "Question::from continues an answer with a constrained border: it does not go with Question::border cover or "
+     "clip"},
     {Feature::from, Feature::max_level,
-     "Question::from goes on from an answer of all levels: it does not go with Question::max_level"},
+     "Question::from continues an answer of all levels: it does not go with Question::max_level"},
     {Feature::from, Feature::points,
-     "Question::from goes on from an answer without points: it does not go with Question::points"},
+     "Question::from continues an answer without points: it does not go with Question::points"},
     {Feature::from, Feature::neighbours,
-     "Question::from goes on from an answer without neighbours: it does not go with Question::neighbours"},
+     "Question::from continues an answer without neighbours: it does not go with Question::neighbours"},
     {Feature::from, Feature::bounded_alone,
-     "Question::from with Question::heights bounded goes on from an answer with the same Heights::quantum: name it"},
+     "Question::from with Question::heights bounded continues an answer with the same Heights::quantum: name it"},
     {Feature::from, Feature::fitted,
      "Question::from does not go with Question::heights fitted: fitted heights differ at each tolerance"},
     {Feature::from, Feature::dense,
@@ -99,7 +100,8 @@ inline constexpr std::array<Combination, 29> kRefused{{
     {Feature::rounded, Feature::field,
      "Question::heights bounded, fitted or dense need one tolerance: they do not go with Question::field"},
     {Feature::rounded, Feature::border,
-     "Question::heights bounded, fitted or dense need a constrained border: they do not go with Question::border"},
+     "Question::heights bounded, fitted or dense need a constrained border: they do not go with Question::border cover "
+     "or clip"},
     {Feature::rounded, Feature::max_level,
      "Question::heights bounded, fitted or dense need all levels: they do not go with Question::max_level"},
     {Feature::rounded, Feature::points,
@@ -111,14 +113,14 @@ inline constexpr std::array<Combination, 29> kRefused{{
     {Feature::quantum, Feature::dense,
      "Heights::quantum goes with Question::heights bounded and fitted, not with Question::heights dense"},
     {Feature::border, Feature::field,
-     "Question::field needs a constrained border: it does not go with Question::border"},
+     "Question::field needs a constrained border: it does not go with Question::border cover or clip"},
     {Feature::border, Feature::points,
-     "Question::points need a constrained border: they do not go with Question::border"},
+     "Question::points need a constrained border: they do not go with Question::border cover or clip"},
     {Feature::border, Feature::neighbours,
-     "Question::neighbours need a constrained border: they do not go with Question::border"},
+     "Question::neighbours need a constrained border: they do not go with Question::border cover or clip"},
     {Feature::together, Feature::border,
      "Snapshot::ask_together lets answers meet in vertices of constrained borders: it does not go with "
-     "Question::border"},
+     "Question::border cover or clip"},
     {Feature::together, Feature::budget,
      "Snapshot::ask_together gives answers the vertices of others: it does not go with Question::budget"},
     {Feature::together, Feature::from,
@@ -130,7 +132,7 @@ inline constexpr std::array<Combination, 29> kRefused{{
 
 /// Whether a question asks for something.
 ///
-/// together  it is one of several
+/// together  the question is one of several
 [[nodiscard]] bool asks_for(const Question& question, Feature feature, bool together);
 
 }  // namespace talus

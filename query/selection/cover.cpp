@@ -22,7 +22,7 @@ class Around {
  private:
   void visit(const Triangle& t) {
     if (!meets(t, region_)) return;
-    if (region_.contains(t.apex) && region_.contains(t.left) && region_.contains(t.right)) return;  // seen from inside
+    if (region_.contains(t.apex) && region_.contains(t.left) && region_.contains(t.right)) return;  // not on a side
     const GridPoint split = midpoint(t.left, t.right);
     if (is_finest(t) || !is_split(t, split)) {
       if (!is_finest(t) && !region_.contains(split)) leave_out(split);
@@ -40,7 +40,7 @@ class Around {
     if (const Page* page = pages_.page_of_vertex(split)) outside_.absent.take(*page, page->index(split));
   }
 
-  /// A triangle that leaves the extent is split by the extent's border, whether its split vertex is there or not.
+  /// The extent's border splits every triangle that leaves the extent, even if the split vertex lies outside.
   bool is_split(const Triangle& t, GridPoint split) {
     if (!extent_.contains(t.apex) || !extent_.contains(t.left) || !extent_.contains(t.right)) return true;
     if (border_.contains(split)) return true;

@@ -9,13 +9,13 @@
 
 namespace talus {
 
-/// What an answer needs beyond a region so that all triangles that meet it are whole.
+/// The vertices outside a region that complete the triangles that meet it.
 struct VerticesAround {
-  std::vector<GridPoint> corners;  ///< of those triangles, outside the region; repeated
-  /// Split vertices outside the region of triangles that are none of them: where all corners of such a triangle are
-  /// vertices of the answer, this must be one, too, and tells that the triangle was split.
+  std::vector<GridPoint> corners;  ///< corners of these triangles outside the region; may repeat
+  /// Split vertices outside the region, of larger triangles. If an answer has all corners of such a triangle, it must
+  /// have the split vertex, too: otherwise the triangle would not be split.
   std::vector<GridPoint> splits;
-  /// Of the split vertices that are absent outside the region: what their triangles leave out, inside it and beyond.
+  /// The largest error of the absent split vertices outside the region. Their triangles meet the region.
   LargestAbsent absent;
 };
 

@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// Where one region ends and the other begins: a rectangle one sample wide or high, and at least one cell long.
+/// The side that two regions share: a rectangle one sample wide or high, and at least one cell long.
 [[nodiscard]] constexpr std::optional<GridRect> shared_side(GridRect a, GridRect b) {
   const GridRect both = common(a, b);
   const bool beside = a.last.col == b.first.col || b.last.col == a.first.col;
@@ -17,7 +17,7 @@ namespace talus {
   return std::nullopt;
 }
 
-/// The vertices of region `of` on the side that it shares with another.
+/// Visits the vertices of region `of` on the side that it shares with the other region.
 template <class Visit>
 void for_each_on_shared_side(const VertexMask& vertices, GridRect of, GridRect other, Visit&& visit) {
   const std::optional<GridRect> side = shared_side(of, other);

@@ -1,4 +1,4 @@
-// Points and lines in CRS coordinates become samples that an answer must hold.
+// Turns points and lines in CRS coordinates into samples that an answer must have.
 
 #include <algorithm>
 #include <cmath>
@@ -18,14 +18,14 @@ class Nearest {
   Nearest(const Description& description, GridRect region)
       : mapping_(description.mapping), region_(region), longitudes_(description) {}
 
-  /// In the region, half a cell beside its samples at most.
+  /// The place of a point, at most half a cell outside the region's samples.
   [[nodiscard]] Place place(Position asked) const {
     if (!std::isfinite(asked.x) || !std::isfinite(asked.y))
-      refuse("point {}, {}: expected coordinates, two finite numbers", asked.x, asked.y);
+      refuse("point {}, {}: expected two finite numbers", asked.x, asked.y);
     const Place found = place_at(longitudes_.among(asked, region_));
     const double col = nearest(found.col), row = nearest(found.row);
     if (!(col >= region_.first.col && col <= region_.last.col && row >= region_.first.row && row <= region_.last.row)) {
-      refuse("point {}, {}: expected one in the region, x {} to {}, y {} to {}", asked.x, asked.y,
+      refuse("point {}, {}: expected a point in the region, x {} to {}, y {} to {}", asked.x, asked.y,
              mapping_.x(region_.first.col), mapping_.x(region_.last.col), mapping_.y(region_.last.row),
              mapping_.y(region_.first.row));
     }
@@ -35,7 +35,7 @@ class Nearest {
   /// Calls visit(from, to) for the straight parts of a line within the region.
   template <class Visit>
   void parts(std::span<const Position> line, Visit&& visit) const {
-    if (line.size() < 2) refuse("line of {} points: expected two or more", line.size());
+    if (line.size() < 2) refuse("line of {} points: expected two or more points", line.size());
     Place from = place(line[0]);
     for (std::size_t i = 1; i < line.size(); ++i) {
       const Place to = place(line[i]);
@@ -53,7 +53,7 @@ class Nearest {
     return {(p.x - mapping_.x0) / mapping_.dx, (p.y - mapping_.y0) / mapping_.dy};
   }
 
-  /// The short way: where that leads out of a region that goes around the globe, into it again on its other side.
+  /// Goes the short way around the globe. If this leaves the region on one side, it enters again on the other side.
   template <class Visit>
   void part(Place from, Place to, Visit&& visit) const {
     const double turn = longitudes_.turn() / mapping_.dx;  // in cells
@@ -69,15 +69,15 @@ class Nearest {
     visit(Place{other, row_at(other + around)}, to);
   }
 
-  // Amid two samples, or within rounding of that, the next one: a diagonal amid samples would else jump to and fro.
+  // Halfway between two samples, or within rounding of it, the next one: otherwise a diagonal jumps to and fro.
   static double nearest(double v) { return std::floor(v + (0.5 + 1e-6)); }
   GridMapping mapping_;
   GridRect region_;
   Longitudes longitudes_;
 };
 
-/// Samples, each once, in the order in which they came. Memory: 8 bytes for each of them, and while there are many a
-/// bit for each of the region's.
+/// Samples without duplicates, in the order in which they came. Memory: 8 bytes for each of them. If there are many,
+/// also one bit for each sample of the region.
 class Samples {
  public:
   explicit Samples(GridRect region) : region_(region), many_(std::max<std::int64_t>(4096, region.samples() / 64)) {}
@@ -127,7 +127,7 @@ class Samples {
   std::vector<std::uint64_t> seen_;  ///< empty while there are few samples
 };
 
-/// All that lies on a column (or row, if that axis is the longer) between the ends.
+/// Adds the ends of a line, and the nearest sample on each column between them, or on each row if it is steep.
 void add_part(Place from, Place to, Samples& samples) {
   const double cols = to.col - from.col, rows = to.row - from.row;
   const bool along_cols = std::abs(cols) >= std::abs(rows);

@@ -22,11 +22,11 @@
 namespace talus {
 namespace {
 
-/// A page that is to be looked into.
+/// A page to be read.
 struct Wanted {
   PageId id;
   std::uint32_t generation;
-  bool is_above;  ///< it may hold something above the tolerance; else only the border needs it
+  bool is_above;  ///< it may have errors above the tolerance; otherwise only the border needs it
 };
 
 class RangeQuery {
@@ -51,7 +51,7 @@ class RangeQuery {
       pages.push_back({top, generation, true});
       area_ += area_of(top);
     });
-    // The coarsest pages first, until there is enough to share.
+    // One thread reads the coarsest pages, until there are enough tasks for all threads.
     const std::size_t enough = threads_ == 1 ? 0 : kTasksAThread * static_cast<std::size_t>(threads_);
     while (!pages.empty() && pages.size() < enough && pages.front().id.band > 0) {
       std::vector<Wanted> below;
@@ -67,7 +67,7 @@ class RangeQuery {
  private:
   static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
   static constexpr std::size_t kTasksAThread = 8;
-  static constexpr std::int32_t kStretch = 32;  ///< samples that are glanced at together
+  static constexpr std::int32_t kStretch = 32;  ///< samples that are tested together
 
   struct NothingNeeded {
     bool operator()(std::size_t) const { return false; }
@@ -75,14 +75,14 @@ class RangeQuery {
 
   using PageKeyPair = std::pair<int, std::uint64_t>;
 
-  /// What a thread has found, and what it needs to find more.
+  /// The results and the working memory of one thread.
   struct Worker {
     Worker(const StoredPages& pages, GridRect region, int workers)
         : fates(pages, region, cost),
           found(pages, cost, expected_bytes(region, workers)),
           levels(pages.manifest().description.extent),
           decoder(pages.borrow_decoder()) {}
-    /// If one sample in eight is a vertex; a large page at most.
+    /// 16 bytes for each vertex, if one sample in eight is a vertex; at most 2 MiB.
     static std::size_t expected_bytes(GridRect region, int workers) {
       return static_cast<std::size_t>(std::clamp<std::int64_t>(2 * region.samples() / workers, 1 << 16, 2 << 20));
     }
@@ -94,18 +94,18 @@ class RangeQuery {
     std::uint64_t forced_alone = 0;
     PageCache::BorrowedDecoder decoder;
     Array<PageSample> chosen;
-    std::vector<std::uint8_t> is_forced;  ///< by sample of a page that the border needs
+    std::vector<std::uint8_t> is_forced;  ///< 1 for each sample of a page that the border needs
   };
 
-  /// In the region, so that those of the pages below a page add up to its own.
+  /// The samples of the region in a page's square. The areas of all child pages add up to that of their parent page.
   [[nodiscard]] std::int64_t area_of(PageId id) const {
     const GridRect part = common(page_square(id), region_);
     return is_empty(part) ? 0 : part.samples();
   }
 
-  /// What is left of a tolerance, because stored heights may lie off the source's.
+  /// The tolerance for stored heights, in metres: less the loss, and at least kept_above().
   [[nodiscard]] double left_of(Metres asked) const {
-    return std::max(manifest_.description.kept_above(), asked.value - manifest_.description.lossy_metres);
+    return std::max(manifest_.description.kept_above().value, asked.value - manifest_.description.lossy.value);
   }
 
   Answer answer(std::chrono::steady_clock::time_point started) {
@@ -134,7 +134,7 @@ class RangeQuery {
     return answer;
   }
 
-  /// Notes by page what the border needs, and all pages above.
+  /// Lists by page the vertices that the border needs. All pages above are in the list, too.
   void force_border() {
     for (const GridPoint p : border_vertices(region_, root_side(manifest_.description.extent))) {
       PageId id = page_of(p, band_of(p, manifest_.bands));
@@ -152,7 +152,7 @@ class RangeQuery {
     for (const Wanted& page : below) descend(page, worker);
   }
 
-  /// Takes from a page what it has, and names the pages below it that are to be looked into.
+  /// Reads a page, selects its vertices, and adds to `below` the child pages to be read.
   void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
     watch_.look();
     std::int64_t settled = area_of(wanted.id);
@@ -162,8 +162,8 @@ class RangeQuery {
     worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
     for_each_child(page, region_, [&](PageId child, const ChildEntry& entry) {
-      // A page with nothing above the tolerance counts in the bound as its entry says, though the border may need it
-      // and more be known then: so increments, which do not read it, have the same bound.
+      // If the child page has no error above the tolerance, its child entry counts for the bound, even if the border
+      // needs the page. An increment does not read such a page, and this way it has the same bound.
       const bool is_wanted = above_(entry.largest);
       if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
       if (!is_wanted && (above_from_ || !is_forced(child))) return;
@@ -174,8 +174,8 @@ class RangeQuery {
     if (&worker == workers_.front().get()) watch_.tell(static_cast<double>(done) / static_cast<double>(area_));
   }
 
-  /// Takes the page's own vertices whose error is above the tolerance, or that the border needs; of an increment those
-  /// that neither the border needs nor the coarser answer has.
+  /// Selects the page's own vertices that are above the tolerance or that the border needs. An increment leaves out
+  /// those that the border needs or that the coarser answer has.
   void select(const Page& page, Worker& worker) {
     const auto forced = forced_.find({page.id.band, curve_position(page.id)});
     if (forced == forced_.end() || forced->second.empty()) {
@@ -206,8 +206,8 @@ class RangeQuery {
     }
   }
 
-  /// Lists in `chosen` what is above the tolerance or needed; the rest counts as absent. Of an increment, only what is
-  /// above the tolerance, within the coarser one, and not needed.
+  /// Lists in `chosen` the samples above the tolerance and those that are needed. All others count as absent. An
+  /// increment lists only samples that are above the tolerance, within the coarser tolerance, and not needed.
   template <bool kIsIncrement, class IsNeeded>
   void choose(const Page& page, Worker& worker, IsNeeded&& is_needed) {
     const auto samples = samples_in(page.grid, region_);
@@ -216,9 +216,8 @@ class RangeQuery {
     PageSample* next = worker.chosen.data();
     const ErrorCode threshold = above_.code(), threshold_before = kIsIncrement ? above_from_->code() : ErrorCode{0};
     ErrorCode absent_code = worker.absent.code;
-    // Of every sample: is its distance above the tolerance, or its code? Samples that are no vertices of this band
-    // have neither. A sample is always written and then kept or not: most pages have as many of one kind as of the
-    // other.
+    // Tests for each sample whether its distance or its code is above the tolerance. Samples of other bands have
+    // neither. The loop writes each sample, then keeps or overwrites it: a branch would be hard to predict.
     const auto look = [&](auto&& distance_of, auto largest_within, auto largest_before, auto&& is_all_absent) {
       auto largest_absent = largest_within;
       largest_absent = -1;
@@ -271,7 +270,7 @@ class RangeQuery {
     worker.absent.distance = std::max(worker.absent.distance, absent);
   }
 
-  /// Word by word: others may write other bits of a word at the same time.
+  /// Writes each word atomically: other threads may write other bits of it at the same time.
   void insert(const PageGrid& grid, std::span<const PageSample> samples) {
     std::uint64_t* word = nullptr;
     std::uint64_t bits = 0;
@@ -303,15 +302,15 @@ class RangeQuery {
   const Manifest& manifest_ = pages_.manifest();
   GridRect region_;
   Metres asked_;
-  double tolerance_ = left_of(asked_);
+  double tolerance_ = left_of(asked_);  ///< for stored heights, in metres
   int threads_;
-  bool keeps_pages_ = pages_.would_keep(region_);  ///< for the next question
+  bool keeps_pages_ = pages_.would_keep(region_);  ///< the cache keeps them for the next question
   Threshold above_{tolerance_, pages_.distance()};
-  std::optional<Threshold> above_from_;  ///< of an increment: what the coarser answer has
+  std::optional<Threshold> above_from_;  ///< for an increment: selects the coarser answer
   VertexMask vertices_{region_};
-  std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< pages that the border needs, and what it needs of them
+  std::map<PageKeyPair, std::vector<GridPoint>> forced_;  ///< by page, the vertices that the border needs
   std::vector<std::unique_ptr<Worker>> workers_;
-  std::int64_t area_ = 1;  ///< of the region, in samples, of which `settled_` needs no more looking
+  std::int64_t area_ = 1;  ///< samples of the region; `settled_` of them are done
   std::atomic<std::int64_t> settled_ = 0;
 };
 
@@ -338,7 +337,7 @@ Answer range_query(const StoredPages& pages, GridRect region, Metres tolerance, 
 }
 
 SampleWindow all_samples(const StoredPages& pages, GridRect region, Watch& watch) {
-  if (const double finest = pages.manifest().description.finest_tolerance; finest > 0) {
+  if (const double finest = pages.manifest().description.finest_tolerance.value; finest > 0) {
     fail(Cause::unsupported,
          "the database keeps only the vertices of answers at {} m and more: it cannot restore samples; ask for a "
          "surface at that tolerance",
@@ -354,7 +353,7 @@ StoredSamples stored_samples(const StoredPages& pages, GridRect region, Watch& w
   window.region = region;
   window.values.assign(static_cast<std::size_t>(region.samples()), 0);
   window.valid.assign(window.values.size(), 0);
-  if (pages.manifest().description.finest_tolerance > 0) stored.dropped.assign(window.values.size(), 0);
+  if (pages.manifest().description.finest_tolerance.value > 0) stored.dropped.assign(window.values.size(), 0);
   const HeightStep& step = pages.manifest().description.step;
   QueryCost unused;
   PageDecoder decoder;

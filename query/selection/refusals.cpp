@@ -1,10 +1,8 @@
 #include "query/selection/refusals.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 
-#include "engine/geo/ground.hpp"
-#include "engine/geo/longitude.hpp"
 #include "engine/machine/fail.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "query/pages/placed_rectangle.hpp"
@@ -12,64 +10,6 @@
 #include "query/selection/matching.hpp"
 
 namespace talus {
-namespace {
-
-class FocusTolerance final : public ToleranceField {
- public:
-  FocusTolerance(double col, double row, double metres_per_col, double metres_per_row, double growth, double at_focus)
-      : col_(col), row_(row), right_(metres_per_col), down_(metres_per_row), growth_(growth), at_focus_(at_focus) {}
-
-  [[nodiscard]] double at(GridPoint p) const override { return of(p.col - col_, p.row - row_); }
-  /// Of the rectangle's nearest point, on a sample or not.
-  [[nodiscard]] double least(GridRect r) const override {
-    return of(std::clamp(col_, double(r.first.col), double(r.last.col)) - col_,
-              std::clamp(row_, double(r.first.row), double(r.last.row)) - row_);
-  }
-
- private:
-  [[nodiscard]] double of(double cols, double rows) const {
-    return at_focus_ + growth_ * std::hypot(cols * right_, rows * down_);
-  }
-  double col_, row_, right_, down_, growth_, at_focus_;
-};
-
-}  // namespace
-
-std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double asked_x, double y,
-                                                      double metres_per_metre, Metres at_focus) {
-  require_tolerance(at_focus);
-  const double x = Longitudes(d).among(Position{asked_x, y}, d.extent).x;
-  if (!std::isfinite(x) || !std::isfinite(y)) refuse("focus {}, {}: expected coordinates", x, y);
-  if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
-    refuse("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre);
-  const double col = (x - d.mapping.x0) / d.mapping.dx, row = (y - d.mapping.y0) / d.mapping.dy;
-  const GridRect& e = d.extent;
-  if (!(col >= e.first.col - 0.5 && col <= e.last.col + 0.5 && row >= e.first.row - 0.5 && row <= e.last.row + 0.5)) {
-    refuse(
-        "focus {}, {}: lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the database's "
-        "CRS",
-        x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row));
-  }
-  const Ground ground(d.crs);
-  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
-               down = ground.metres({x, y}, {x, y + d.mapping.dy});
-  if (!(right > 0) || !(down > 0))
-    refuse("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y);
-  return std::make_shared<FocusTolerance>(col, row, right, down, metres_per_metre, at_focus.value);
-}
-
-GridRect snapped(GridRect region, std::int32_t samples, GridRect extent) {
-  if (samples < 1) refuse("snap to multiples of {} samples: expected 1 or more", samples);
-  const auto down = [&](std::int64_t v) { return v - ((v % samples) + samples) % samples; };
-  const auto up = [&](std::int64_t v) { return -down(-v); };
-  const auto within = [](std::int64_t v, std::int32_t first, std::int32_t last) {
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(v, first, last));
-  };
-  return {{within(down(region.first.col), extent.first.col, extent.last.col),
-           within(down(region.first.row), extent.first.row, extent.last.row)},
-          {within(up(region.last.col), extent.first.col, extent.last.col),
-           within(up(region.last.row), extent.first.row, extent.last.row)}};
-}
 
 int finest_level(GridRect extent) {
   return std::max(0, std::countr_zero(static_cast<std::uint32_t>(root_side(extent))) - 1);
@@ -78,7 +18,7 @@ int finest_level(GridRect extent) {
 void require_inside(const StoredPages& pages, GridRect region) {
   const GridRect& extent = pages.manifest().description.extent;
   if (is_empty(region) || !extent.contains(region.first) || !extent.contains(region.last)) {
-    refuse("region of columns {} to {}, rows {} to {}: expected one within columns {} to {}, rows {} to {}",
+    refuse("region of columns {} to {}, rows {} to {}: it must lie within columns {} to {}, rows {} to {}",
            region.first.col, region.last.col, region.first.row, region.last.row, extent.first.col, extent.last.col,
            extent.first.row, extent.last.row);
   }
@@ -92,11 +32,11 @@ namespace {
 
 void require_neighbour(const StoredPages& pages, GridRect region, const RestrictedQuadtree& neighbour) {
   if (neighbour.origin.identity != pages.identity())
-    refuse("a neighbour is the answer of another database, or of another state of it: ask for it anew");
+    refuse("a neighbour's answer is from another database, or from another state of it: ask for it again");
   if (neighbour.origin.border != Border::constrain)
-    refuse("a neighbour's border is not constrained: nothing can meet it in vertices");
+    refuse("a neighbour's answer has another border than constrain: ask for it again with a constrained border");
   const GridRect& other = neighbour.region;
-  if (!(neighbour.vertices.region() == other)) refuse("a neighbour's vertices are not those of its region");
+  if (!(neighbour.vertices.region() == other)) refuse("a neighbour's vertices cover another region than its own");
   if (shared_side(region, other)) return;
   refuse(
       "the neighbour of columns {} to {}, rows {} to {} shares no side with the region of columns {} to {}, rows {} to "
@@ -141,7 +81,7 @@ void require_combinable(const Question& question, bool together) {
 
 void require_from(const Question& question) {
   require_tolerance(*question.from);
-  if (asks_for(question, Feature::budget, false)) return;  // not known yet
+  if (asks_for(question, Feature::budget, false)) return;  // the tolerance is not known yet
   require_finer(*question.from, question.tolerance);
 }
 
@@ -149,7 +89,7 @@ void require_from(const Question& question) {
 
 void require_finer(Metres from, Metres to) {
   if (to < from) return;
-  refuse("increment from {} m to {} m: expected a finer one to go to: Question::tolerance below Question::from",
+  refuse("increment from {} m to {} m: expected a finer tolerance, Question::tolerance below Question::from",
          from.value, to.value);
 }
 
@@ -168,7 +108,7 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   require_inside(pages, question.region);
   require_tolerance(question.tolerance);
   if (question.max_level && *question.max_level < 0)
-    refuse("largest level {}: expected 0 or more", *question.max_level);
+    refuse("finest level {}: expected 0 or more for Question::max_level", *question.max_level);
   if (question.from) require_from(question);
   const std::vector<GridPoint> nearest = samples_nearest(d, question.region, question.places);
   question.points.insert(question.points.end(), nearest.begin(), nearest.end());
@@ -180,8 +120,8 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   question.lines.clear();
   for (const GridPoint p : question.points) {
     if (question.region.contains(p)) continue;
-    refuse("point of interest at column {}, row {}: expected one in the region, columns {} to {}, rows {} to {}", p.col,
-           p.row, question.region.first.col, question.region.last.col, question.region.first.row,
+    refuse("point of interest at column {}, row {}: expected a point in the region, columns {} to {}, rows {} to {}",
+           p.col, p.row, question.region.first.col, question.region.last.col, question.region.first.row,
            question.region.last.row);
   }
   for (const RestrictedQuadtree* neighbour : question.neighbours) require_neighbour(pages, question.region, *neighbour);

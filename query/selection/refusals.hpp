@@ -1,5 +1,5 @@
 #pragma once
-// Questions that make no sense are refused in one place.
+// Checks questions, and refuses those that have no answer.
 
 #include "query/pages/stored_pages.hpp"
 #include "talus/question.hpp"
@@ -10,13 +10,13 @@ namespace talus {
 
 void require_inside(const StoredPages& pages, GridRect region);
 void require_tolerance(Metres tolerance);
-/// An increment goes from a tolerance to a smaller one.
+/// An increment must go from a tolerance to a smaller one.
 void require_finer(Metres from, Metres to);
 
-/// A question with its region in samples, all its points there, and nothing in it that has no answer: the one door that
-/// every question goes through. Of the budget and of heights' quanta only what needs no search and no rounding.
+/// Checks a question, and returns it with its region and its points in samples. Every question passes through here.
+/// The tolerance of a budget and the quantum of heights are checked later, because they need a search or rounding.
 ///
-/// together  it is one of several, see Snapshot::ask_together
+/// together  the question is one of several, see Snapshot::ask_together
 [[nodiscard]] Question accepted(const StoredPages& pages, const Question& question, bool together);
 
 }  // namespace talus

@@ -25,7 +25,7 @@ class Selection {
   Selection(const StoredPages& pages, const Question& question, Watch& watch)
       : pages_(pages), question_(question), watch_(watch) {}
 
-  /// What the question asks for by itself.
+  /// Selects the vertices that this question needs without its neighbours.
   void choose() {
     const Stopwatch running(cost_.seconds);
     watch_.stage("choosing vertices", 0, kChoosing);
@@ -34,7 +34,7 @@ class Selection {
     for_each_top(pages_.manifest(), question_.region,
                  [&](PageId top, std::uint32_t generation) { choose(top, generation); });
     watch_.look();
-    // A tolerance above all errors of one level selects a closed set; one that varies may not.
+    // One tolerance selects a set with all its parents. A tolerance that varies may not.
     if (question_.field) close_bottom_up(vertices_, root_);
     if (question_.points.empty()) return;
     for_points_ = insert_points();
@@ -44,7 +44,7 @@ class Selection {
   [[nodiscard]] const GridRect& region() const { return question_.region; }
   [[nodiscard]] const VertexMask& vertices() const { return vertices_; }
 
-  /// Takes what a neighbour has on shared sides, with all it depends on. Returns whether there was anything new.
+  /// Adds a neighbour's vertices on shared sides, with all their parents. Returns whether any of them was new.
   bool match(GridRect neighbour, const VertexMask& its_vertices) {
     const Stopwatch running(cost_.seconds);
     watch_.look();
@@ -59,7 +59,7 @@ class Selection {
     return true;
   }
 
-  /// Once all is chosen.
+  /// Reads the heights of the chosen vertices. Call it once, after choose() and match().
   Answer gather() {
     Answer answer;
     {
@@ -128,15 +128,15 @@ class Selection {
     }
   }
 
-  /// Whether a page, or one below it, may hold a vertex that is selected.
+  /// Whether a page, or one below it, may have a vertex above the tolerance.
   [[nodiscard]] bool is_worth_reading(PageId id, const ChildEntry& entry) const {
     if (!question_.field) return above_(entry.largest);
-    // A vertex counts its whole diamond; in this page and below it none reaches farther than this.
+    // A vertex is compared with the least tolerance in its diamond. No diamond of these pages leaves this square.
     const GridRect square = grown(common(page_square(id), question_.region), band_spacing(id.band + 1));
     return error_of(entry.largest) > limit_in(square);
   }
   [[nodiscard]] double limit_in(GridRect rect) const {
-    return std::max(kept_above_, question_.field->least(common(rect, extent_)) - lossy_);
+    return std::max(kept_above_, question_.field->least(common(rect, extent_)).value - lossy_);
   }
   [[nodiscard]] bool is_selected(const Page& page, std::size_t i, GridPoint p) const {
     if (finest_height_ > 0 && height_in_tree(p) < finest_height_) return false;
@@ -145,7 +145,7 @@ class Selection {
     return error > kept_above_ && error > limit_in(grown({p, p}, spacing(p)));
   }
 
-  /// visit(i, p): the page's own vertices in a rectangle.
+  /// visit(i, p): visits the page's own vertices in a rectangle.
   template <class Visit>
   static void for_each_own(const Page& page, GridRect in, Visit&& visit) {
     for_each_in(page.grid, in, [&](std::size_t i, GridPoint p) {
@@ -167,7 +167,7 @@ class Selection {
         absent_.take(*page, i);
       }
     });
-    // Those that are selected are stored: whatever else comes to them, the answer has as many.
+    // All selected vertices are stored, so the answer has at least as many.
     selected_ += selected;
     watch_.require_vertices(selected_);
     ++pages_chosen_;
@@ -180,7 +180,7 @@ class Selection {
       }
     });
   }
-  /// Holds a level that may be selected.
+  /// Whether the page has a level that max_level allows.
   [[nodiscard]] bool is_fine_enough(PageId id) const { return band_shift(id.band + 1) > finest_height_; }
 
   void look_into(const Page& page, bool is_wanted) {
@@ -188,14 +188,14 @@ class Selection {
     if (is_first) fates_.look_into(page, is_wanted);
   }
 
-  /// Returns how many of the points are new; void samples are left out and counted.
+  /// Returns the number of new points. Void samples are left out, and counted in `void_points_`.
   std::uint64_t insert_points() {
     const int bands = pages_.manifest().bands;
     const auto place = [&](GridPoint p) {
       const PageId id = page_of(p, band_of(p, bands));
       return std::pair(id.band, curve_position(id));
     };
-    std::vector<GridPoint> points = question_.points;  // page by page
+    std::vector<GridPoint> points = question_.points;  // sorted by page
     std::sort(points.begin(), points.end(), [&](GridPoint a, GridPoint b) { return place(a) < place(b); });
     std::uint64_t added = 0;
     for (const GridPoint p : points) {
@@ -220,7 +220,7 @@ class Selection {
     cost_.gathering_seconds -= cost_.reading_seconds - reading_before;
   }
 
-  /// Pages of the chosen vertices, and all above them.
+  /// Marks the pages of the chosen vertices, and all pages above them.
   void mark_pages() {
     const int bands = pages_.manifest().bands;
     std::vector<PageId> last(static_cast<std::size_t>(bands), PageId{-1, 0, 0});
@@ -252,7 +252,7 @@ class Selection {
     for_each_child(*page, extent_, [&](PageId child, const ChildEntry& entry) { gather(child, entry.generation); });
   }
 
-  /// Nobody knows how many pages choosing will look into: after so many it is said to be half done.
+  /// Pages after which choosing counts as half done, because their number is not known beforehand.
   static constexpr std::uint64_t kPagesAhead = 64;
 
   const StoredPages& pages_;
@@ -261,8 +261,8 @@ class Selection {
   const Description& description_ = pages_.manifest().description;
   GridRect extent_ = description_.extent;
   std::int32_t root_ = root_side(extent_);
-  double kept_above_ = description_.kept_above();  ///< metres
-  double lossy_ = description_.lossy_metres;       ///< how far stored heights may lie from the source's
+  double kept_above_ = description_.kept_above().value;  ///< metres
+  double lossy_ = description_.lossy.value;              ///< the loss, in metres
   Threshold above_{std::max(kept_above_, question_.tolerance.value - lossy_), pages_.distance()};
   /// log2 of the smallest spacing that max_level allows
   int finest_height_ = std::max(0, finest_level(extent_) - question_.max_level.value_or(finest_level(extent_)));
@@ -278,15 +278,15 @@ class Selection {
   std::uint64_t selected_ = 0;  ///< vertices whose errors are above the tolerance
   std::uint64_t pages_chosen_ = 0, pages_marked_ = 0, pages_gathered_ = 0;
   LargestAbsent absent_;
-  using PagesByBand = std::vector<std::unordered_set<std::uint64_t>>;  ///< positions on the curve
+  using PagesByBand = std::vector<std::unordered_set<std::uint64_t>>;  ///< positions on the curve, by band
   PagesByBand looked_into_ = PagesByBand(static_cast<std::size_t>(pages_.manifest().bands)), marked_ = looked_into_;
 };
 
 }  // namespace
 
-// The vertices of a region are closed on the whole grid, so what a side's vertices depend on along that side is the
-// same from either region: the union of both closures has on the side just the union of theirs, and one exchange is
-// enough for two regions. A third may share another side, on which the closure has added something: hence the rounds.
+// Each region's vertices are closed on the whole grid. Vertices of a shared side have the same ancestors on that side
+// in both regions, so two regions agree after one exchange. A third region may share another side, to which the
+// closure added vertices. Hence the rounds.
 std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches,
                                       std::deque<Watch>& watches) {
   std::vector<std::unique_ptr<Selection>> chosen;

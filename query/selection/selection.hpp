@@ -1,5 +1,5 @@
 #pragma once
-// Questions that a tolerance and a constrained border alone do not answer: which vertices first, then their heights.
+// Answers questions that need more than a tolerance and a constrained border: first the vertices, then their heights.
 
 #include <deque>
 #include <span>
@@ -11,10 +11,9 @@
 
 namespace talus {
 
-/// Accepted questions, see Snapshot::ask_together; one may stand alone. Looks at pages twice where range_query does
-/// once.
+/// Answers one accepted question or more, see Snapshot::ask_together. It reads pages twice, range_query once.
 ///
-/// watches  one for each
+/// watches  one for each question
 [[nodiscard]] std::vector<Answer> select_and_gather(const StoredPages& pages, std::span<const Question> patches,
                                                     std::deque<Watch>& watches);
 

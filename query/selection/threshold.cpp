@@ -9,13 +9,13 @@
 namespace talus {
 namespace {
 
-/// More metres than doubles miss decimal heights by; part of the bound where a step is no binary fraction.
+/// Metres; more than doubles round decimal heights by. Part of the bound, unless the step is a binary fraction.
 constexpr double kDecimalRounding = 1e-9;
 
 /// The largest distance in height codes that is still within a tolerance; -1 if none is.
 double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
   const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
-  // metres do not overflow
+  // `high` is finite in metres, too
   double low = 0, high = std::numeric_limits<double>::max() / std::max(1.0, distance.factor());
   if (!within(0)) return -1;
   if (within(high)) return high;
@@ -25,7 +25,7 @@ double largest_distance_within(double tolerance_m, const CodeDistance& distance)
   }
 }
 
-/// The same in eighths of a code.
+/// A distance in height codes as eighths of a code, rounded down; -1 stays -1.
 std::int32_t largest_eighths_within(double largest_distance) {
   if (largest_distance < 0) return -1;
   constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
@@ -34,10 +34,10 @@ std::int32_t largest_eighths_within(double largest_distance) {
 
 double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
   const Description& d = pages.manifest().description;
-  double metres = std::max(error_of(absent.code), d.kept_above());
+  double metres = std::max(error_of(absent.code), d.kept_above().value);
   if (absent.distance >= 0) metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
-  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
-  return metres + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);
+  const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance.value == 0;
+  return metres + d.lossy.value + (heights_are_exact ? 0 : kDecimalRounding);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// What a tolerance selects of a page's vertices, and what the vertices that it leaves out make of the bound.
+// The vertices of a page that a tolerance selects, and the bound that follows from those that it leaves out.
 
 #include <algorithm>
 #include <span>
@@ -10,23 +10,23 @@
 
 namespace talus {
 
-/// What a tolerance selects, exactly: errors that pages imply are on no ladder.
+/// A tolerance as a code for stored errors, and as an exact distance for implied errors.
 class Threshold {
  public:
-  /// `tolerance_m` without what stored heights may be off.
+  /// tolerance_m  in metres, less the loss
   Threshold(double tolerance_m, const CodeDistance& distance);
 
-  /// Of sample i of a page: false for those that are no vertices of its own.
+  /// Whether sample i is an own vertex of the page with an error above the tolerance.
   [[nodiscard]] bool operator()(const Page& page, std::size_t i) const {
     if (page.errors[i] > code_) return true;
     if (!page.eighths.empty()) return page.eighths[i] > eighths_;
     return !page.distances.empty() && page.distances[i] > distance_;
   }
-  /// Whether a page with this largest error may hold one.
+  /// Whether a page with this largest error may have such a vertex.
   [[nodiscard]] bool operator()(ErrorCode largest) const { return largest > code_; }
 
   [[nodiscard]] ErrorCode code() const { return code_; }
-  [[nodiscard]] std::int32_t eighths() const { return eighths_; }  ///< of a height code, -1: none is small enough
+  [[nodiscard]] std::int32_t eighths() const { return eighths_; }  ///< of a height code; -1: the tolerance is below 0
   [[nodiscard]] double distance() const { return distance_; }      ///< in height codes
 
  private:
@@ -39,13 +39,13 @@ struct LargestErrors {
   ErrorCode code = 0;
   std::int32_t eighths = -1;
 };
-/// Of a stretch of a page's samples, many at once.
+/// The largest error code and the largest implied distance of some samples in a row.
 [[nodiscard]] LargestErrors largest_errors(std::span<const ErrorCode> codes, std::span<const std::int32_t> eighths);
 
-/// The largest error that an answer leaves out.
+/// The largest errors of the vertices that an answer leaves out.
 struct LargestAbsent {
   ErrorCode code = 0;
-  double distance = -1;  ///< in height codes, of those that are implied; -1: none
+  double distance = -1;  ///< the largest implied error, in height codes; -1: none
 
   void take(const Page& page, std::size_t i) {
     if (page.is_implied(i)) {
@@ -60,7 +60,7 @@ struct LargestAbsent {
   }
 };
 
-/// RestrictedQuadtree::level_errors in the making.
+/// Collects RestrictedQuadtree::level_errors.
 class LargestByLevel {
  public:
   explicit LargestByLevel(GridRect extent);
@@ -73,12 +73,12 @@ class LargestByLevel {
   [[nodiscard]] std::vector<double> metres(const StoredPages& pages) const;
 
  private:
-  std::vector<LargestAbsent> levels_;  ///< none of them absent; by log2 of the spacing
+  std::vector<LargestAbsent> levels_;  ///< largest errors of the answer's vertices, by log2 of the spacing
 };
 
-/// No sample under a surface without these vertices is farther from it.
+/// The bound of an answer without these vertices: no sample under its surface is farther from it.
 ///
-/// tolerance_m  what the absent ones were held against; infinite where it varied
+/// tolerance_m  the tolerance that left them out; infinite if it varied
 [[nodiscard]] Metres bound_of(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m);
 
 }  // namespace talus

@@ -92,11 +92,11 @@ class Samples {
 QueryCost sampled_heights(const StoredPages& pages, std::span<const Position> points,
                           std::span<std::optional<double>> out) {
   const Description& description = pages.manifest().description;
-  if (description.finest_tolerance > 0) {
+  if (description.finest_tolerance.value > 0) {
     fail(Cause::unsupported,
          "the database keeps only the vertices for tolerances of {} m and more, so it has no samples to interpolate. "
          "Ask for the heights of a surface at that tolerance or more",
-         description.finest_tolerance);
+         description.finest_tolerance.value);
   }
   return timed(pages, [&](QueryCost& cost) {
     Samples samples(pages, cost);

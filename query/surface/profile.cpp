@@ -233,14 +233,14 @@ Profile profile(const StoredPages& pages, const ExtentBorder& border, std::span<
   const Ground ground(d.crs);
   std::vector<double> begins{0};  // distances in metres at which stretches begin
   for (std::size_t i = 0; i + 1 < line.size(); ++i) begins.push_back(begins[i] + ground.metres(line[i], line[i + 1]));
-  result.length_m = begins.back();
+  result.length = Metres{begins.back()};
 
   for (const auto& part : cut(surface, d, longitudes, line)) {
     std::vector<ProfileVertex>& vertices = result.parts.emplace_back();
     thin(part, slack, [&](const CutVertex& v) {
       const Position a = line[v.stretch], b = line[v.stretch + 1];
       const Position p = v.share == 1 ? b : Position{a.x + (b.x - a.x) * v.share, a.y + (b.y - a.y) * v.share};
-      vertices.push_back({begins[v.stretch] + ground.metres(a, p), p.x, p.y, d.step.value(v.height)});
+      vertices.push_back({Metres{begins[v.stretch] + ground.metres(a, p)}, p.x, p.y, d.step.value(v.height)});
     });
   }
   result.cost.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

@@ -46,10 +46,10 @@ double Facet::at(Place p) const {
 Surface::Surface(const StoredPages& pages, const ExtentBorder& border, Metres tolerance, QueryCost& cost)
     : pages_(pages),
       border_(border),
-      tolerance_(std::max(description_.kept_above(), tolerance.value - description_.lossy_metres)),
+      tolerance_(std::max(description_.kept_above().value, tolerance.value - description_.lossy.value)),
       nearby_(pages, cost) {
   require_tolerance(tolerance);
-  if (description_.kept_above() > 0) kept_heights_.emplace(pages, cost);
+  if (description_.kept_above().value > 0) kept_heights_.emplace(pages, cost);
   if (extent_.cols() < 2 || extent_.rows() < 2) return;  // no area, no triangle
   for_each_root_triangle(extent_, [&](const Triangle& root) {
     if (may_hold(root)) roots_.push_back(root);
@@ -142,8 +142,8 @@ double Surface::bound() const {
   // An answer's bound may be smaller: it is the largest error of an absent vertex.
   const Description& d = description_;
   constexpr double kDecimalRounding = 1e-9;
-  const bool heights_are_exact = pages_.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance == 0;
-  return tolerance_ + d.lossy_metres + (heights_are_exact ? 0 : kDecimalRounding);
+  const bool heights_are_exact = pages_.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance.value == 0;
+  return tolerance_ + d.lossy.value + (heights_are_exact ? 0 : kDecimalRounding);
 }
 
 }  // namespace talus

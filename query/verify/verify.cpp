@@ -80,9 +80,9 @@ class Verification {
     const std::uint64_t voids = static_cast<std::uint64_t>(extent_.samples()) - totals.valid_samples;
     if (d.void_samples != voids)
       findings_.everywhere(fmt::format("header: it says {} void samples, but there are {}", d.void_samples, voids));
-    if (totals.valid_samples > 0 && (d.minimum != totals.lowest || d.maximum != totals.highest)) {
-      findings_.everywhere(fmt::format("header: it says heights from {} to {}, but they are from {} to {}", d.minimum,
-                                       d.maximum, totals.lowest, totals.highest));
+    if (totals.valid_samples > 0 && (d.minimum_height != totals.lowest || d.maximum_height != totals.highest)) {
+      findings_.everywhere(fmt::format("header: it says heights from {} to {}, but they are from {} to {}",
+                                       d.minimum_height, d.maximum_height, totals.lowest, totals.highest));
     }
     try {
       check_provenance(totals);
@@ -124,7 +124,7 @@ class Verification {
     for (std::size_t rung = 0; rung < kErrorRungs; ++rung) {
       const double tolerance = error_rung(rung);
       telling_.step("answers", 1);
-      if (rung > 0 && (tolerance < description_.finest_tolerance ||
+      if (rung > 0 && (tolerance < description_.finest_tolerance.value ||
                        (vertices_above_[rung] > 0 && vertices_above_[rung] == vertices_above_[rung - 1])))
         continue;
       const bool is_small = extent_.samples() <= kSquare * kSquare ||
@@ -163,7 +163,7 @@ class Verification {
 
   void measure() {
     if (options_.tolerance) return true_error_of(*options_.tolerance);
-    const double finest = description_.finest_tolerance;
+    const double finest = description_.finest_tolerance.value;
     if (finest == 0) return;
     // The database does not keep all samples.
     true_error_of(Metres{finest});
@@ -196,7 +196,7 @@ class Verification {
     if (is_same(stored, source)) return true;
     // The rounding of a multiple of the step, if that is a decimal.
     const double arithmetic = 4 * std::numeric_limits<double>::epsilon() * std::abs(source);
-    return d.lossy_metres > 0 && std::abs(stored - source) <= d.lossy_metres / d.metres_per_unit + arithmetic;
+    return d.lossy.value > 0 && std::abs(stored - source) <= d.lossy.value / d.metres_per_unit + arithmetic;
   }
 
   void compare(const StoredSamples& samples, const SampleWindow& expected) {

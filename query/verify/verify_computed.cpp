@@ -32,8 +32,8 @@ struct Rules {
   CodeDistance distance{description.step, description.metres_per_unit};
   GroundScale ground = Ground(description.crs).scale_of(description.mapping, extent);
   /// If not all samples were kept: errors up to this one may be stored as 0.
-  std::optional<ErrorCode> dropped = description.kept_above() > 0
-                                         ? std::optional(largest_code_within(description.kept_above()))
+  std::optional<ErrorCode> dropped = description.kept_above().value > 0
+                                         ? std::optional(largest_code_within(description.kept_above().value))
                                          : std::nullopt;
 
   [[nodiscard]] GroundSide side() const {

@@ -195,9 +195,9 @@ class PageChecks {
   const StoredPages& pages_;
   const Manifest& manifest_ = pages_.manifest();
   GridRect extent_ = manifest_.description.extent;
-  bool drops_ = manifest_.description.kept_above() > 0;  ///< whether not all samples were kept
+  bool drops_ = manifest_.description.kept_above().value > 0;  ///< whether not all samples were kept
   /// Pages may store errors up to this one as 0.
-  ErrorCode dropped_ = drops_ ? largest_code_within(manifest_.description.kept_above()) : ErrorCode{0};
+  ErrorCode dropped_ = drops_ ? largest_code_within(manifest_.description.kept_above().value) : ErrorCode{0};
   DecodedPages& decoded_;
   Findings& findings_;
   VerifyReport& report_;

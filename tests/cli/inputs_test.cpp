@@ -169,10 +169,10 @@ TEST_F(Inputs, WithPriorityResolutionTheFinerWinsWhereverItIsNamed) {
   for (const std::vector<std::string>& inputs :
        {std::vector<std::string>{"coarse.tif", "fine.tif"}, {"fine.tif", "coarse.tif"}}) {
     ingest({inputs[0], inputs[1], "a.talus", "--overwrite", "--tr=30", "--priority=resolution"});
-    EXPECT_EQ(Database::open(folder / "a.talus").snapshot().description().maximum, 1500);
+    EXPECT_EQ(Database::open(folder / "a.talus").snapshot().description().maximum_height, 1500);
     ingest({inputs[0], inputs[1], "a.talus", "--overwrite", "--tr=30", "--priority=later"});
     const double expected = inputs[1] == "fine.tif" ? 1500 : 1000;
-    EXPECT_EQ(Database::open(folder / "a.talus").snapshot().description().maximum, expected) << inputs[1];
+    EXPECT_EQ(Database::open(folder / "a.talus").snapshot().description().maximum_height, expected) << inputs[1];
   }
   expect_refused({"ingest", "coarse.tif", "b.talus", "--priority=first"}, usage, {"--priority", "first"});
 }
@@ -216,8 +216,8 @@ TEST_F(Inputs, TheGridCanBeThatOfADatabase) {
   const Description a = Database::open(folder / "a.talus").snapshot().description();
   const Description grid = Database::open(folder / "grid.talus").snapshot().description();
   EXPECT_EQ(a.mapping, grid.mapping);
-  EXPECT_EQ(a.minimum, 1200);
-  EXPECT_EQ(a.maximum, 1200);
+  EXPECT_EQ(a.minimum_height, 1200);
+  EXPECT_EQ(a.maximum_height, 1200);
   expect_refused({"ingest", "beside.tif", "b.talus", "--grid-of", "missing.talus"}, failed, {"missing.talus"});
 }
 
@@ -237,7 +237,7 @@ TEST_F(Inputs, HeightsInFeetCountAsFeet) {
   ingest({"spike.tif", "a.talus", "--vertical-unit", "foot"});
   const Description d = Database::open(folder / "a.talus").snapshot().description();
   EXPECT_EQ(d.metres_per_unit, 0.3048);
-  EXPECT_EQ(d.maximum, 200);  // as the source has them
+  EXPECT_EQ(d.maximum_height, 200);  // as the source has them
   const auto triangles = [&](const char* tolerance) {
     return json_of(talus({"query", "a.talus", "--tolerance", tolerance, "--json"})).at("triangles").get<int>();
   };

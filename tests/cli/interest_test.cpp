@@ -158,7 +158,7 @@ TEST_F(Interest, RastersThatSayNoToleranceAreRefused) {
   tolerances.at(1, 1) = 2;
   tolerances.make_void(0, 1);
   write_tolerances("void.tif", tolerances);
-  refused("void.tif", {"column 0, row 1", "nothing"});
+  refused("void.tif", {"column 0, row 1", "is void"});
   expect_refusal(query({"--tolerance-raster", "none.tif"}, ""), {failed}, {"none.tif"});
   write_bytes(folder / "text.tif", "no raster");
   expect_refusal(query({"--tolerance-raster", "text.tif"}, ""), {failed, usage}, {"text.tif"});

@@ -34,7 +34,7 @@ TEST_F(Verify, ListsDamagedRectanglesAndSaysWhatToDo) {
   EXPECT_EQ(said.exit_code, damaged);
   EXPECT_THAT(said.out, HasSubstr("DAMAGED"));
   EXPECT_THAT(said.out, HasSubstr("ingest again from: a.tif"));
-  EXPECT_THAT(said.out, HasSubstr("answers that need nothing from the damaged rectangles are right"));
+  EXPECT_THAT(said.out, HasSubstr("answers that read nothing from the damaged rectangles are right"));
   EXPECT_THAT(said.err, HasSubstr("b.talus is damaged"));
   const auto json = json_of(talus({"verify", "b.talus", "--json"}));
   EXPECT_EQ(json["verdict"], "damaged");

@@ -109,6 +109,7 @@ void for_each_vertex(const LevelGrid<Value>& grid, Visit&& visit) {
     grid.for_each(shift, true, visit);
   }
 }
+
 inline std::string name_of(GridPoint p) { return "(" + std::to_string(p.col) + ", " + std::to_string(p.row) + ")"; }
 
 }  // namespace talus::support

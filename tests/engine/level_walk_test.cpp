@@ -212,6 +212,8 @@ struct Walked {
 Walked random_walked(Random& random) {
   Walked w;
   w.window = random_rect(random, random.chance(0.3) ? 150 : 40);
+  if (random.chance(0.1)) w.window.last.row = w.window.first.row;  // a line has no triangles
+  if (random.chance(0.1)) w.window.last.col = w.window.first.col;
   const RestrictedQuadtree answer = random_answer(random, w.window, random.between(0, 300));
   w.has_loose = random.chance(0.5);
   answer.vertices.for_each([&](GridPoint p) {

@@ -29,11 +29,11 @@ Manifest example() {
   d.vertical_unit = "foot";
   d.metres_per_unit = 0.3048;
   d.step = {0.1, 10, -3.25, true};
-  d.minimum = -431.5;
-  d.maximum = 8848.86;
+  d.minimum_height = -431.5;
+  d.maximum_height = 8848.86;
   d.void_samples = 12345678901;
   d.void_weight = 0.5;
-  d.lossy_metres = 0.25;
+  d.lossy = Metres{0.25};
   m.bands = band_count(d.extent);
   m.generation = 3;
   m.top_generations = {2};
@@ -76,11 +76,11 @@ TEST(Manifest, DecodeOfEncodeIsTheManifest) {
   EXPECT_EQ(b.vertical_unit, d.vertical_unit);
   EXPECT_EQ(b.metres_per_unit, d.metres_per_unit);
   EXPECT_EQ(b.step, d.step);
-  EXPECT_EQ(b.minimum, d.minimum);
-  EXPECT_EQ(b.maximum, d.maximum);
+  EXPECT_EQ(b.minimum_height, d.minimum_height);
+  EXPECT_EQ(b.maximum_height, d.maximum_height);
   EXPECT_EQ(b.void_samples, d.void_samples);
   EXPECT_EQ(b.void_weight, d.void_weight);
-  EXPECT_EQ(b.lossy_metres, d.lossy_metres);
+  EXPECT_EQ(b.lossy.value, d.lossy.value);
   EXPECT_EQ(b.error_metric, d.error_metric);
 }
 
@@ -88,10 +88,10 @@ TEST(Manifest, EachFactOfACrsAndOfItsHeightsComesBackInItsPlace) {
   Manifest m = example();
   Description& d = m.description;
   d.crs = {"gon and yards", 4807, true, 0.9144, 0.9, 6378249.2, 1 / 293.466};  // no two are alike
-  d.finest_tolerance = 0.75;
+  d.finest_tolerance = Metres{0.75};
   const Description back = decode_manifest(encode(m)).description;
   EXPECT_EQ(back.crs, d.crs);
-  EXPECT_EQ(back.finest_tolerance, 0.75);
+  EXPECT_EQ(back.finest_tolerance.value, 0.75);
   // The names under which a reader of another kind finds them: docs/format/v2.md.
   const Json crs = json_of(m).at("crs");
   EXPECT_EQ(crs.at("epsg"), 4807);

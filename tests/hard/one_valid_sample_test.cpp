@@ -37,7 +37,7 @@ TEST(OneValidSample, KeepsThePromise) {
     database.hold_to_the_promise();
     EXPECT_TRUE(database.judged(0).triangles.empty());
     EXPECT_TRUE(database.judged(1e9).triangles.empty());
-    EXPECT_EQ(database.now().description().minimum, 417);
+    EXPECT_EQ(database.now().description().minimum_height, 417);
   }
 }
 

@@ -63,7 +63,8 @@ TEST(VoidCheckerboardOfFloats, KeepsThePromise) {
                 .tolerance = Metres{tolerance},
                 .heights = {.kind = HeightKind::bounded, .quantum = Metres{1e-6}}})}) {
             for (const double height : answer.quadtree.heights)
-              EXPECT_TRUE(height == 0 || (height >= d.minimum - 1.1 && height <= d.maximum + 1.1)) << height;
+              EXPECT_TRUE(height == 0 || (height >= d.minimum_height - 1.1 && height <= d.maximum_height + 1.1))
+                  << height;
             static_cast<void>(database.streamed(answer.quadtree));
           }
         }

@@ -218,7 +218,7 @@ TEST(Update, EqualsAnIngestOfEverything) {
     EXPECT_EQ(a.description().extent.cols(), b.description().extent.cols());
     EXPECT_EQ(a.description().extent.rows(), b.description().extent.rows());
     EXPECT_EQ(a.description().void_samples, b.description().void_samples);
-    EXPECT_EQ(a.description().minimum, b.description().minimum);
+    EXPECT_EQ(a.description().minimum_height, b.description().minimum_height);
     const SampleWindow of_a = a.samples(a.description().extent), of_b = b.samples(b.description().extent);
     EXPECT_EQ(of_a.valid, of_b.valid);
     EXPECT_EQ(of_a.values, of_b.values);

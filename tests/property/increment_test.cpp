@@ -47,7 +47,7 @@ std::vector<double> random_chain(Random& random, const Snapshot& now) {
   const Description& d = now.description();
   std::set<double, std::greater<>> chain;
   const int length = random.between(2, 6);
-  const double range = std::max(1e-3, (d.maximum - d.minimum) * d.metres_per_unit);
+  const double range = std::max(1e-3, (d.maximum_height - d.minimum_height) * d.metres_per_unit);
   while (static_cast<int>(chain.size()) < length)
     chain.insert(random.chance(0.5) ? random_tolerance(random) : random.log_between(1e-3 * range, range));
   return {chain.begin(), chain.end()};

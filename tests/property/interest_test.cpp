@@ -156,15 +156,15 @@ class ByCell final : public ToleranceField {
  public:
   ByCell(const Description& d, GridMapping cells, SampleWindow metres)
       : d_(d), cells_(cells), metres_(std::move(metres)) {}
-  [[nodiscard]] double at(GridPoint p) const override {
+  [[nodiscard]] Metres at(GridPoint p) const override {
     const double x = d_.mapping.x(p.col), y = d_.mapping.y(p.row);
     int col = metres_.region.first.col, row = metres_.region.first.row;
     while (col < metres_.region.last.col && x >= cells_.x(col + 0.5) - 1e-9 * std::abs(cells_.dx)) ++col;
     while (row < metres_.region.last.row && y <= cells_.y(row + 0.5) + 1e-9 * std::abs(cells_.dy)) ++row;
-    return metres_.values[metres_.index({col, row})];
+    return Metres{metres_.values[metres_.index({col, row})]};
   }
-  [[nodiscard]] double least(GridRect r) const override {
-    double least = std::numeric_limits<double>::infinity();
+  [[nodiscard]] Metres least(GridRect r) const override {
+    Metres least{std::numeric_limits<double>::infinity()};
     for (int row = r.first.row; row <= r.last.row; ++row) {
       for (int col = r.first.col; col <= r.last.col; ++col) least = std::min(least, at({col, row}));
     }
@@ -212,12 +212,14 @@ TEST(Interest, ARastersToleranceIsThatOfTheCellASampleLiesIn) {
       const int col = random.between(region.first.col, region.last.col),
                 row = random.between(region.first.row, region.last.row);
       const GridRect rect{{col, row}, {random.between(col, region.last.col), random.between(row, region.last.row)}};
-      ASSERT_EQ(field->at({col, row}), expected.at({col, row})) << i;
-      ASSERT_EQ(field->least(rect), expected.least(rect)) << i;
+      ASSERT_EQ(field->at({col, row}).value, expected.at({col, row}).value) << i;
+      ASSERT_EQ(field->least(rect).value, expected.least(rect).value) << i;
       const GridRect larger{{col - 50, row}, {rect.last.col + 100, rect.last.row}};
-      ASSERT_EQ(field->least(larger), expected.least({{region.first.col, row}, {region.last.col, rect.last.row}})) << i;
+      ASSERT_EQ(field->least(larger).value,
+                expected.least({{region.first.col, row}, {region.last.col, rect.last.row}}).value)
+          << i;
     }
-    EXPECT_EQ(field->at({region.last.col + 1, region.first.row}), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(field->at({region.last.col + 1, region.first.row}).value, std::numeric_limits<double>::infinity());
   }
 }
 
@@ -236,7 +238,7 @@ TEST(Interest, ARastersToleranceHoldsForEverySample) {
       for (int k = 0; k < 20; ++k) {
         const GridPoint p{asked.random.between(q.region.first.col, q.region.last.col),
                           asked.random.between(q.region.first.row, q.region.last.row)};
-        EXPECT_EQ(q.field->at(p), by_definition.at(p)) << asked.name(q);
+        EXPECT_EQ(q.field->at(p).value, by_definition.at(p).value) << asked.name(q);
       }
     }
   });
@@ -258,7 +260,7 @@ TEST(Interest, RastersOfToleranceThatDoNotFitAreRefusedByName) {
   };
   const GridMapping fits{2, -2, 5, -5};
   refused(fits, {1, 2, 3, -4}, "7, -7 (column 1, row 1)");
-  refused(fits, {1, 2, std::nan(""), 4}, "nothing");
+  refused(fits, {1, 2, std::nan(""), 4}, "is void");
   refused({7, -2, 5, -5}, {1, 2, 3, 4}, "do not cover");
   refused({2, -9, 5, -5}, {1, 2, 3, 4}, "do not cover");
   refused({2, -2, 3, -5}, {1, 2, 3, 4}, "do not cover");
@@ -269,7 +271,7 @@ TEST(Interest, RastersOfToleranceThatDoNotFitAreRefusedByName) {
 TEST(Interest, PatchesAreAsEqualAsSamplesAllow) {
   const auto field = patch_tolerance({{10, 20}, {18, 20}}, 8, 1, {0, 1, 2, 3, 4, 5, 6, 7});
   std::set<double> seen;
-  for (int col = 10; col <= 18; ++col) seen.insert(field->at({col, 20}));
+  for (int col = 10; col <= 18; ++col) seen.insert(field->at({col, 20}).value);
   EXPECT_EQ(seen.size(), 8u) << "nine samples, and each of eight patches has one";
 }
 

@@ -94,7 +94,8 @@ TEST(Ask, TheBoundOfACoverHoldsUnderAllOfIt) {
       const Answer answer = asked.now->ask(q);
       const Mesh mesh = triangulate(answer.quadtree);
       const double farthest = largest_distance_under(mesh, asked.raster.terrain, d.metres_per_unit);
-      const double slack = 1e-9 + 1e-12 * std::max(std::abs(d.minimum), std::abs(d.maximum)) * d.metres_per_unit;
+      const double slack =
+          1e-9 + 1e-12 * std::max(std::abs(d.minimum_height), std::abs(d.maximum_height)) * d.metres_per_unit;
       EXPECT_LE(farthest, answer.quadtree.bound.value + slack) << asked.name(q);
       beyond_the_region += answer.quadtree.vertices.region() == q.region ? 0 : 1;
     }
@@ -165,12 +166,12 @@ TEST(Ask, PointsOfInterestAreVertices) {
 class Patchwork final : public ToleranceField {
  public:
   explicit Patchwork(std::uint64_t seed) : seed_(seed) {}
-  [[nodiscard]] double at(GridPoint p) const override {
+  [[nodiscard]] Metres at(GridPoint p) const override {
     const auto cell = static_cast<std::uint64_t>((p.col >> 4) * 7919 + (p.row >> 4) * 104729) + seed_;
-    return std::pow(2.0, double(cell * 0x9e3779b97f4a7c15ull >> 60) - 4);
+    return Metres{std::pow(2.0, double(cell * 0x9e3779b97f4a7c15ull >> 60) - 4)};
   }
-  [[nodiscard]] double least(GridRect r) const override {
-    double least = std::numeric_limits<double>::infinity();
+  [[nodiscard]] Metres least(GridRect r) const override {
+    Metres least{std::numeric_limits<double>::infinity()};
     for (int row = r.first.row >> 4; row <= r.last.row >> 4; ++row) {
       for (int col = r.first.col >> 4; col <= r.last.col >> 4; ++col) least = std::min(least, at({col * 16, row * 16}));
     }
@@ -215,8 +216,8 @@ TEST(Ask, PatchesSayTheLeastOfARectangle) {
     const GridRect rect{{c, r}, {c + random.between(0, 20), r + random.between(0, 20)}};
     double least = std::numeric_limits<double>::infinity();
     for (int y = rect.first.row; y <= rect.last.row; ++y)
-      for (int x = rect.first.col; x <= rect.last.col; ++x) least = std::min(least, field->at({x, y}));
-    EXPECT_EQ(field->least(rect), least);
+      for (int x = rect.first.col; x <= rect.last.col; ++x) least = std::min(least, field->at({x, y}).value);
+    EXPECT_EQ(field->least(rect).value, least);
   }
 }
 

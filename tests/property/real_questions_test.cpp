@@ -222,7 +222,7 @@ TEST_P(RealQuestions, AFocusHoldsEverySampleWithinItsOwnTolerance) {
         focus_tolerance(d, d.mapping.x(col), d.mapping.y(row), random_.log_between(1e-4, 0.1), Metres{random_metres()});
     const Mesh mesh = triangulate(now_->ask(q).quadtree);
     expect_filled(
-        mesh, window_of(q.region), q.region, [&](GridPoint p) { return q.field->at(p); }, name(q.region, -1));
+        mesh, window_of(q.region), q.region, [&](GridPoint p) { return q.field->at(p).value; }, name(q.region, -1));
   }
 }
 

@@ -219,9 +219,9 @@ TEST_F(Accuracy, TheAdviceIsAPointThatWasMeasuredWithinTheBudget) {
   make(fit(fractal(300, 300, 3, 700), SampleType::int16));
   AccuracyOptions options;
   for (const double budget : {1e-9, 1e-4, 1e-3, 1e3}) {
-    options.budget_seconds = budget;
+    options.limit_seconds = budget;
     const AccuracyReport report = measure_accuracy(file, options);
-    EXPECT_EQ(report.advice.budget_seconds, budget);
+    EXPECT_EQ(report.advice.limit_seconds, budget);
     if (budget == 1e-9) {
       EXPECT_FALSE(report.advice.point);
     }
@@ -241,8 +241,8 @@ TEST_F(Accuracy, WithoutABudgetTheAdviceIsTheToleranceAmidTheOthersWhateverTimeI
   EXPECT_EQ(*report.advice.point, (report.points.size() - 1) / 2);
   EXPECT_EQ(report.points.size(), again.points.size()) << "nothing was tried in between";
   const AccuracyPoint& advised = report.points[*report.advice.point];
-  EXPECT_GE(report.advice.budget_seconds, advised.warm_seconds);
-  EXPECT_LE(report.advice.budget_seconds, 1.1 * advised.warm_seconds);
+  EXPECT_GE(report.advice.limit_seconds, advised.warm_seconds);
+  EXPECT_LE(report.advice.limit_seconds, 1.1 * advised.warm_seconds);
   EXPECT_FALSE(report.advice.is_finest);
 }
 
@@ -292,8 +292,8 @@ TEST_F(Accuracy, AMapHasTheFarthestSampleOfEachCellWithItsSign) {
       }
     }
   }
-  EXPECT_DOUBLE_EQ(map.width_m, 999);
-  EXPECT_DOUBLE_EQ(map.height_on_ground_m, 59);
+  EXPECT_DOUBLE_EQ(map.width.value, 999);
+  EXPECT_DOUBLE_EQ(map.height.value, 59);
 }
 
 TEST_F(Accuracy, APlaneHasOneStep) {

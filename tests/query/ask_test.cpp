@@ -83,8 +83,8 @@ TEST(Snapshot, HasTwelveWordsAtMost) {
 
 class NoField final : public ToleranceField {
  public:
-  [[nodiscard]] double at(GridPoint) const override { return 5; }
-  [[nodiscard]] double least(GridRect) const override { return 5; }
+  [[nodiscard]] Metres at(GridPoint) const override { return Metres{5}; }
+  [[nodiscard]] Metres least(GridRect) const override { return Metres{5}; }
 };
 
 /// Asks for one thing more.
@@ -417,8 +417,8 @@ TEST_F(Ask, TogetherEachHasItsOwnLimitsAndStop) {
 /// Stands for a system without memory.
 class Greedy final : public ToleranceField {
  public:
-  [[nodiscard]] double at(GridPoint) const override { return 5; }
-  [[nodiscard]] double least(GridRect) const override { throw std::bad_alloc(); }
+  [[nodiscard]] Metres at(GridPoint) const override { return Metres{5}; }
+  [[nodiscard]] Metres least(GridRect) const override { throw std::bad_alloc(); }
 };
 
 TEST_F(Ask, WithoutMemoryIsAFailureWithItsCause) {

@@ -107,7 +107,7 @@ TEST(Longitudes, ALineGoesTheShortWay) {
   const Snapshot now = snapshot_of(terrain, at, folder);
   const std::vector<Position> through{{179.505, 51.505}, {180.505, 51.505}};
   const Profile expected = now.profile(through, Metres{0});
-  EXPECT_NEAR(expected.length_m, 69'400, 300);  // a degree of longitude at 51.5° north: 111.32 km · cos
+  EXPECT_NEAR(expected.length.value, 69'400, 300);  // a degree of longitude at 51.5° north: 111.32 km · cos
   for (const auto& line :
        std::vector<std::vector<Position>>{{{179.505, 51.505}, {-179.495, 51.505}},
                                           {{-180.495, 51.505}, {-179.495, 51.505}},
@@ -115,20 +115,20 @@ TEST(Longitudes, ALineGoesTheShortWay) {
                                           {{179.505, 51.505}, {-179.745, 51.505}, {180.505, 51.505}}}) {
     SCOPED_TRACE(::testing::PrintToString(line.front().x) + " to " + ::testing::PrintToString(line.back().x));
     const Profile found = now.profile(line, Metres{0});
-    EXPECT_NEAR(found.length_m, expected.length_m, 1e-3);
+    EXPECT_NEAR(found.length.value, expected.length.value, 1e-3);
     ASSERT_EQ(found.parts.size(), 1u);
-    EXPECT_NEAR(found.parts[0].back().distance_m, expected.length_m, 1e-3);
+    EXPECT_NEAR(found.parts[0].back().distance.value, expected.length.value, 1e-3);
     EXPECT_NEAR(found.parts[0].front().height, terrain.at(50, 49), 1e-6);
     EXPECT_NEAR(found.parts[0].back().height, terrain.at(150, 49), 1e-6);
     EXPECT_EQ(found.parts[0].front().x, line[0].x) << "in the writing of the line's first point";
     EXPECT_NEAR(found.parts[0].back().x, line[0].x + 1, 1e-9);
   }
   // The other way round, and a point in between for who wants the long way.
-  EXPECT_NEAR(now.profile(std::vector<Position>{{-179.495, 51.505}, {179.505, 51.505}}, Metres{0}).length_m,
-              expected.length_m, 1e-3);
+  EXPECT_NEAR(now.profile(std::vector<Position>{{-179.495, 51.505}, {179.505, 51.505}}, Metres{0}).length.value,
+              expected.length.value, 1e-3);
   const Profile around =
       now.profile(std::vector<Position>{{179.505, 51.505}, {60, 51.505}, {-60, 51.505}, {-179.495, 51.505}}, Metres{0});
-  EXPECT_NEAR(around.length_m, 24'929'000, 40'000);
+  EXPECT_NEAR(around.length.value, 24'929'000, 40'000);
   ASSERT_EQ(around.parts.size(), 2u) << "it leaves in the west and comes back in the east";
   EXPECT_THROW(static_cast<void>(now.profile(std::vector<Position>{{180, 51.5}, {-180, 51.5}}, Metres{0})), Failure)
       << "one place";
@@ -179,7 +179,7 @@ TEST(Longitudes, AWholeGlobeAnswersWhatItAnswered) {
     EXPECT_NE(std::string(failure.what()).find("-180,0,-175,10"), std::string::npos) << failure.what();
   }
   const Profile across = inclusive.profile(std::vector<Position>{{175, 10}, {-175, 10}}, Metres{0});
-  EXPECT_NEAR(across.length_m, 10 * 109'640, 3000);
+  EXPECT_NEAR(across.length.value, 10 * 109'640, 3000);
   ASSERT_EQ(across.parts.size(), 1u) << "without a gap where the raster's ends meet";
   EXPECT_NEAR(across.parts[0].front().height, terrain.at(355, 80), 1e-6);
   EXPECT_NEAR(across.parts[0].back().height, terrain.at(5, 80), 1e-6);
@@ -187,7 +187,8 @@ TEST(Longitudes, AWholeGlobeAnswersWhatItAnswered) {
   const Description& d = inclusive.description();
   EXPECT_EQ(samples_along(d, d.extent, line),
             (std::vector<GridPoint>{{358, 80}, {359, 80}, {360, 80}, {0, 80}, {1, 80}, {2, 80}}));
-  EXPECT_NEAR(inclusive.profile(std::vector<Position>{{-80, 10}, {80, 10}}, Metres{0}).length_m, 160 * 109'640, 40'000);
+  EXPECT_NEAR(inclusive.profile(std::vector<Position>{{-80, 10}, {80, 10}}, Metres{0}).length.value, 160 * 109'640,
+              40'000);
 }
 
 TEST(Longitudes, OtherCrsHaveNoTurn) {
@@ -200,7 +201,7 @@ TEST(Longitudes, OtherCrsHaveNoTurn) {
     EXPECT_FALSE(now.height(101 + 360, 51.5).has_value());
     EXPECT_THROW(static_cast<void>(now.region({100.5 - 360, 51.2, 101.5 - 360, 51.5}).samples), Failure);
     EXPECT_THROW(static_cast<void>(now.region({101.5, 51.2, 100.5, 51.5}).samples), Failure);
-    EXPECT_EQ(now.profile(std::vector<Position>{{101, 51.5}, {-259, 51.5}}, Metres{5}).length_m, 360);
+    EXPECT_EQ(now.profile(std::vector<Position>{{101, 51.5}, {-259, 51.5}}, Metres{5}).length.value, 360);
   }
 }
 

@@ -102,11 +102,11 @@ TEST(Profiles, AreTheSurfaceOfTheMeshWithinWhatIsLeftOfTheTolerance) {
       for (const auto& part : profile.parts) {
         EXPECT_GE(part.size(), 2u);
         for (const ProfileVertex& v : part) {
-          EXPECT_GE(v.distance_m, reached);
-          reached = v.distance_m;
+          EXPECT_GE(v.distance.value, reached);
+          reached = v.distance.value;
         }
       }
-      EXPECT_LE(reached, profile.length_m * (1 + 1e-12));
+      EXPECT_LE(reached, profile.length.value * (1 + 1e-12));
     }
   }
   EXPECT_LT(doubtful, seen / 10);
@@ -143,10 +143,10 @@ TEST(Profiles, OfAPlaneHaveTheLinesPointsOnly) {
   ASSERT_EQ(profile.parts.size(), 1u);
   ASSERT_EQ(profile.parts[0].size(), 3u);
   const auto& [a, b, c] = std::tie(profile.parts[0][0], profile.parts[0][1], profile.parts[0][2]);
-  EXPECT_EQ(a.distance_m, 0);
-  EXPECT_EQ(b.distance_m, 139.75);
-  EXPECT_DOUBLE_EQ(c.distance_m, 139.75 + std::hypot(1, 119.5));
-  EXPECT_EQ(profile.length_m, c.distance_m);
+  EXPECT_EQ(a.distance.value, 0);
+  EXPECT_EQ(b.distance.value, 139.75);
+  EXPECT_DOUBLE_EQ(c.distance.value, 139.75 + std::hypot(1, 119.5));
+  EXPECT_EQ(profile.length.value, c.distance.value);
   EXPECT_EQ(b.x, 150);
   EXPECT_EQ(b.y, -20.5);
   EXPECT_NEAR(a.height, 100 + 9.75 + 40, 1e-9);
@@ -162,7 +162,7 @@ TEST(Profiles, BreakAtVoidsAndAtTheEdge) {
   EXPECT_NEAR(profile.parts[0].back().x, 39.5, 1e-9);
   EXPECT_NEAR(profile.parts[1].front().x, 61.5, 1e-9);
   EXPECT_NEAR(profile.parts[1].back().x, 99.5, 1e-9);
-  EXPECT_NEAR(profile.parts[1].front().distance_m, 111.5, 1e-9);
+  EXPECT_NEAR(profile.parts[1].front().distance.value, 111.5, 1e-9);
   EXPECT_TRUE(now.profile(Line{{45, -5}, {55, -95}}, Metres{0}).parts.empty());
   EXPECT_TRUE(now.profile(Line{{-45, -5}, {-55, 95}}, Metres{0}).parts.empty());
 }
@@ -180,20 +180,20 @@ TEST(Profiles, OfALineAreThoseOfItsStretchesOneAfterTheOther) {
     const Profile stretch = now.profile(std::span(line).subspan(i, 2), Metres{3});
     for (const auto& part : stretch.parts) {
       for (ProfileVertex v : part) {
-        v.distance_m += begun;
-        if (!expected.empty() && std::abs(expected.back().distance_m - v.distance_m) < 1e-9) continue;
+        v.distance.value += begun;
+        if (!expected.empty() && std::abs(expected.back().distance.value - v.distance.value) < 1e-9) continue;
         expected.push_back(v);
       }
     }
-    begun += stretch.length_m;
+    begun += stretch.length.value;
   }
   for (const auto& part : whole.parts) found.insert(found.end(), part.begin(), part.end());
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    EXPECT_NEAR(found[i].distance_m, expected[i].distance_m, 1e-9);
+    EXPECT_NEAR(found[i].distance.value, expected[i].distance.value, 1e-9);
     EXPECT_NEAR(found[i].height, expected[i].height, 1e-9);
   }
-  EXPECT_NEAR(whole.length_m, begun, 1e-9);
+  EXPECT_NEAR(whole.length.value, begun, 1e-9);
 }
 
 TEST(Profiles, OfALongDiagonalReadThePagesAlongIt) {

@@ -305,8 +305,8 @@ TEST_F(ForgedDatabase, APageWithAnothersContentIsFound) {
 
 TEST_F(ForgedDatabase, AHeaderThatSaysSomethingElseIsFound) {
   const std::vector<std::pair<std::string, std::function<void(Manifest&)>>> changes{
-      {"minimum", [](Manifest& m) { m.description.minimum -= 1; }},
-      {"maximum", [](Manifest& m) { m.description.maximum += 1; }},
+      {"minimum", [](Manifest& m) { m.description.minimum_height -= 1; }},
+      {"maximum", [](Manifest& m) { m.description.maximum_height += 1; }},
       {"void samples", [](Manifest& m) { ++m.description.void_samples; }},
       {"extent, last column", [](Manifest& m) { --m.description.extent.last.col; }},
       {"extent, first row", [](Manifest& m) { --m.description.extent.first.row; }},

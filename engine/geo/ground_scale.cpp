@@ -1,4 +1,4 @@
-#include "engine/geo/geodesy.hpp"
+#include "engine/geo/ground_scale.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // Ground sizes of cells, against lengths known from elsewhere.
 
-#include "engine/geo/geodesy.hpp"
+#include "engine/geo/ground_scale.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // Heights of a stream as whole numbers: back bit for bit, and what has no code is refused.
 
-#include "engine/stream/stream_heights.hpp"
+#include "engine/stream/height_codes.hpp"
 
 #include <bit>
 #include <cmath>
@@ -40,7 +40,7 @@ TEST(StreamHeights, ComeBackBitForBit) {
     SCOPED_TRACE(seed);
     Random random(seed);
     Description d;
-    d.minimum = -500, d.maximum = 4000;
+    d.minimum_height = -500, d.maximum_height = 4000;
     const int kind = static_cast<int>(seed % 4);  // whole numbers of a step, floats, doubles, quanta
     d.step = kind == 0 ? HeightStep{1, random.chance(0.5) ? 1.0 : 10.0, random.chance(0.5) ? 0.0 : -3.25, true}
                        : HeightStep{1, 1, 0, false};
@@ -102,7 +102,7 @@ TEST(StreamHeights, TheToleranceIsCountedInCodes) {
   d.step = {4, 2, 0, true};  // a code is 2 units, a metre
   EXPECT_EQ(coding_of(d, {2, 4}, Metres{0}, Metres{3}).tolerance, 3);
   EXPECT_EQ(coding_of(d, {0.25, 0.5}, Metres{0.125}, Metres{3}).tolerance, 24) << "in quanta";
-  d.minimum = -3, d.maximum = 1000;  // floats next to each other at 1000 lie 2^-14 apart, doubles 2^-43
+  d.minimum_height = -3, d.maximum_height = 1000;  // floats next to each other at 1000 lie 2^-14 apart, doubles 2^-43
   EXPECT_EQ(coding_of(d, {0.3F}, Metres{0}, Metres{3}).tolerance, 6 * 16384);
   EXPECT_EQ(coding_of(d, {0.3}, Metres{0}, Metres{3}).tolerance, std::ldexp(6, 43));
 }
@@ -110,7 +110,7 @@ TEST(StreamHeights, TheToleranceIsCountedInCodes) {
 TEST(StreamHeights, AHeaderSaysTheSame) {
   StreamHeader header;
   header.description.step = {0.25, 1, 7, true};
-  header.description.maximum = 300;
+  header.description.maximum_height = 300;
   header.quadtree.tolerance = Metres{3};
   for (const double quantum : {0.0, 0.5}) {
     const std::vector<double> heights{quantum > 0 ? 2.5 : header.description.step.value(9)};

@@ -1,4 +1,4 @@
-// Tolerances that are the same all over a cell: of a raster, or of patches.
+// Tolerances that vary: with the distance from a point, or from cell to cell of a raster or of patches.
 
 #include <algorithm>
 #include <bit>
@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/geo/ground.hpp"
+#include "engine/geo/longitude.hpp"
 #include "engine/machine/fail.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "query/selection/refusals.hpp"
@@ -17,10 +19,10 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-/// The cells along one axis in which samples lie, numbered in their order.
+/// The cells along one axis that hold samples of the region, numbered from 0.
 struct Axis {
-  std::vector<std::int32_t> of_sample;  ///< by sample of the region
-  std::vector<std::int32_t> cells;      ///< the caller's number of each
+  std::vector<std::int32_t> of_sample;  ///< the cell of each sample of the region
+  std::vector<std::int32_t> cells;      ///< the caller's number of each cell
 
   void add(std::int32_t cell) {
     if (cells.empty() || cells.back() != cell) cells.push_back(cell);
@@ -28,31 +30,31 @@ struct Axis {
   }
 };
 
-/// Above the cells stand levels with the least of two by two of the level below.
+/// A pyramid over the cells: each number of a level is the least of two by two numbers of the level below.
 class CellTolerance final : public ToleranceField {
  public:
-  /// metres  of the axes' cells, row by row
+  /// metres  tolerance of each cell, row by row
   CellTolerance(GridRect region, Axis cols, Axis rows, std::vector<double> metres)
       : region_(region), cols_(std::move(cols)), rows_(std::move(rows)) {
     levels_.push_back({cols_.cells.size(), rows_.cells.size(), std::move(metres)});
     while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(above(levels_.back()));
   }
 
-  [[nodiscard]] double at(GridPoint p) const override { return least({p, p}); }
-  /// Exact. Costs in proportion to the outline of the rectangle, in cells.
-  [[nodiscard]] double least(GridRect r) const override {
+  [[nodiscard]] Metres at(GridPoint p) const override { return least({p, p}); }
+  /// Exact. The time is in proportion to the outline of the rectangle, in cells.
+  [[nodiscard]] Metres least(GridRect r) const override {
     r = common(r, region_);
-    if (is_empty(r)) return kNone;
+    if (is_empty(r)) return Metres{kNone};
     const Cells wanted{cell(cols_, r.first.col, region_.first.col), cell(rows_, r.first.row, region_.first.row),
                        cell(cols_, r.last.col, region_.first.col), cell(rows_, r.last.row, region_.first.row)};
-    // Two by two of these hold the rectangle.
+    // On this level, two by two numbers span the rectangle.
     const auto level =
         static_cast<std::size_t>(std::bit_width(std::max(wanted.right - wanted.left, wanted.bottom - wanted.top)));
     double least = kNone;
     for (std::size_t y = wanted.top >> level; y <= wanted.bottom >> level; ++y) {
       for (std::size_t x = wanted.left >> level; x <= wanted.right >> level; ++x) take(level, x, y, wanted, least);
     }
-    return least;
+    return Metres{least};
   }
 
  private:
@@ -98,10 +100,10 @@ class CellTolerance final : public ToleranceField {
   std::vector<Level> levels_;
 };
 
-/// The cells in which the samples of a region lie, along one axis.
+/// The cells along one axis that hold the samples of a region.
 ///
-/// x0, dx  of samples, c0, dc of cells: where number 0 is, and from there to the next
-/// returns  nothing if a sample lies in none
+/// x0, dx   coordinate of sample 0, and step to the next; c0, dc: the same for cells
+/// returns  no cells if a sample lies outside all of them
 Axis cells_of(double x0, double dx, std::int32_t first, std::int32_t last, double c0, double dc,
               std::int32_t first_cell, std::int32_t last_cell) {
   constexpr double kOnLine = 1e-6;
@@ -116,14 +118,57 @@ Axis cells_of(double x0, double dx, std::int32_t first, std::int32_t last, doubl
   return axis;
 }
 
+class FocusTolerance final : public ToleranceField {
+ public:
+  FocusTolerance(double col, double row, double metres_per_col, double metres_per_row, double growth, double at_focus)
+      : col_(col), row_(row), right_(metres_per_col), down_(metres_per_row), growth_(growth), at_focus_(at_focus) {}
+
+  [[nodiscard]] Metres at(GridPoint p) const override { return of(p.col - col_, p.row - row_); }
+  /// The tolerance at the rectangle's nearest point, which need not be a sample.
+  [[nodiscard]] Metres least(GridRect r) const override {
+    return of(std::clamp(col_, double(r.first.col), double(r.last.col)) - col_,
+              std::clamp(row_, double(r.first.row), double(r.last.row)) - row_);
+  }
+
+ private:
+  [[nodiscard]] Metres of(double cols, double rows) const {
+    return Metres{at_focus_ + growth_ * std::hypot(cols * right_, rows * down_)};
+  }
+  double col_, row_, right_, down_, growth_, at_focus_;
+};
+
 }  // namespace
+
+std::shared_ptr<const ToleranceField> focus_tolerance(const Description& d, double asked_x, double y,
+                                                      double metres_per_metre, Metres at_focus) {
+  require_tolerance(at_focus);
+  const double x = Longitudes(d).among(Position{asked_x, y}, d.extent).x;
+  if (!std::isfinite(x) || !std::isfinite(y)) refuse("focus {}, {}: expected two finite numbers", x, y);
+  if (!(metres_per_metre >= 0) || !std::isfinite(metres_per_metre))
+    refuse("tolerance that grows by {} m a metre: expected 0 or more", metres_per_metre);
+  const double col = (x - d.mapping.x0) / d.mapping.dx, row = (y - d.mapping.y0) / d.mapping.dy;
+  const GridRect& e = d.extent;
+  if (!(col >= e.first.col - 0.5 && col <= e.last.col + 0.5 && row >= e.first.row - 0.5 && row <= e.last.row + 0.5)) {
+    refuse(
+        "focus {}, {} lies outside the raster, whose samples span {},{},{},{}; X comes before Y, in the database's CRS",
+        x, y, d.mapping.x(e.first.col), d.mapping.y(e.last.row), d.mapping.x(e.last.col), d.mapping.y(e.first.row));
+  }
+  const Ground ground(d.crs);
+  const double right = ground.metres({x, y}, {x + d.mapping.dx, y}),
+               down = ground.metres({x, y}, {x, y + d.mapping.dy});
+  if (!(right > 0) || !(down > 0))
+    refuse("focus {}, {}: cells have no size there; X comes before Y, in the database's CRS", x, y);
+  return std::make_shared<FocusTolerance>(col, row, right, down, metres_per_metre, at_focus.value);
+}
 
 std::shared_ptr<const ToleranceField> patch_tolerance(GridRect region, std::int32_t cols, std::int32_t rows,
                                                       std::vector<double> metres) {
   if (cols < 1 || rows < 1 || cols > region.cols() || rows > region.rows()) {
-    refuse("{} x {} patches of tolerance: expected from 1 to as many as the region's {} x {} samples", cols, rows,
+    refuse("{} x {} patches of tolerance: expected at least 1 x 1, at most the region's {} x {} samples", cols, rows,
            region.cols(), region.rows());
   }
+  if (metres.size() != static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows))
+    refuse("{} tolerances for {} x {} patches: expected one for each patch", metres.size(), cols, rows);
   if (metres.size() != static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows))
     refuse("{} tolerances for {} x {} patches: expected one a patch", metres.size(), cols, rows);
   for (const double m : metres) require_tolerance(Metres{m});
@@ -145,8 +190,8 @@ std::shared_ptr<const ToleranceField> raster_tolerance(const Description& d, Gri
   Axis rows =
       cells_of(m.y0, m.dy, region.first.row, region.last.row, cells.y0, cells.dy, there.first.row, there.last.row);
   if (cols.cells.empty() || rows.cells.empty()) {
-    refuse("tolerances do not cover the region, x {} to {}, y {} to {}", m.x(region.first.col), m.x(region.last.col),
-           m.y(region.last.row), m.y(region.first.row));
+    refuse("the tolerances do not cover the whole region, x {} to {}, y {} to {}", m.x(region.first.col),
+           m.x(region.last.col), m.y(region.last.row), m.y(region.first.row));
   }
   std::vector<double> used;
   used.reserve(cols.cells.size() * rows.cells.size());
@@ -155,9 +200,9 @@ std::shared_ptr<const ToleranceField> raster_tolerance(const Description& d, Gri
       const GridPoint cell{col, row};
       const std::size_t i = metres.index(cell);
       if (metres.valid[i] == 0 || !(metres.values[i] >= 0)) {
-        refuse("tolerance of the cell at {}, {} (column {}, row {}): expected metres, 0 or more, not {}",
+        refuse("tolerance of the cell at {}, {} (column {}, row {}) is {}: expected metres, 0 or more",
                cells.x(cell.col), cells.y(cell.row), cell.col, cell.row,
-               metres.valid[i] == 0 ? "nothing" : fmt::format("{}", metres.values[i]));
+               metres.valid[i] == 0 ? "void" : fmt::format("{}", metres.values[i]));
       }
       used.push_back(metres.values[i]);
     }

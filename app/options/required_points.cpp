@@ -1,4 +1,4 @@
-#include "app/options/places.hpp"
+#include "app/options/required_points.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "engine/stream/stream_heights.hpp"
+#include "engine/stream/height_codes.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 namespace talus {
 namespace {
 
-/// Bits of floats, turned so that they rise with the values.
+/// The bits of a float, changed so that they rise with the values.
 std::int32_t ordered(float v) {
   const auto bits = std::bit_cast<std::int32_t>(v);
   return bits ^ ((bits >> 31) & 0x7fffffff);
@@ -26,15 +26,15 @@ double from_ordered(std::int64_t v) {
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-/// The whole number nearest to one of at most 2^51: beyond, doubles next to each other lie farther apart than halves.
+/// The nearest whole number, for |v| up to 2^51. Beyond, neighbouring doubles are more than a half apart.
 double nearest(double v) {
   constexpr double kShift = 6755399441055744.0;  // 3 · 2^51
   return (v + kShift) - kShift;
 }
 
-/// The whole number that a step takes to a height, if there is one.
+/// Computes the whole number of a height. Returns false if the step does not restore the height from it, bit for bit.
 bool whole_code(const HeightStep& step, double height, double& code) {
-  code = nearest((height - step.offset) * step.divisor / step.scale) + 0.0;  // no negative zero
+  code = nearest((height - step.offset) * step.divisor / step.scale) + 0.0;  // + 0.0: no negative zero
   return std::abs(code) < 2e15 && same_bits(step.value(code), height);
 }
 
@@ -43,11 +43,11 @@ constexpr double kMostNarrow = 1 << 30;
 double tolerance_in_codes(CodeKind kind, const Description& d, const HeightStep& step, Metres tolerance) {
   if (kind == CodeKind::whole || kind == CodeKind::quanta)
     return tolerance.value / d.metres_per_unit / std::abs(step.scale) * step.divisor;
-  const double largest = std::max({std::abs(d.minimum), std::abs(d.maximum), 1e-30});
+  const double largest = std::max({std::abs(d.minimum_height), std::abs(d.maximum_height), 1e-30});
   return std::ldexp(tolerance.value / d.metres_per_unit, (kind == CodeKind::floats ? 23 : 52) - std::ilogb(largest));
 }
 
-/// Floats that happen to be whole numbers are their own codes.
+/// The step of codes. Without a height step in the database it is 1: whole numbers are their own codes.
 HeightStep step_of(CodeKind kind, const Description& d, Metres quantum) {
   if (kind != CodeKind::quanta) return d.step.integer ? d.step : HeightStep{};
   HeightStep step;
@@ -66,7 +66,7 @@ HeightCoding HeightCoding::of(const Description& d, Metres quantum, Metres toler
   const auto all = [&](auto&& fits) {
     return std::ranges::all_of(heights, [&](std::span<const double> some) {
       return std::ranges::all_of(some, [&](double h) {
-        if (!std::isfinite(h)) throw Failure(Cause::invalid_argument, "a height that is no number cannot be written");
+        if (!std::isfinite(h)) throw Failure(Cause::invalid_argument, "cannot write a height that is infinite or NaN");
         return fits(h);
       });
     });
@@ -78,7 +78,7 @@ HeightCoding HeightCoding::of(const Description& d, Metres quantum, Metres toler
   });
   if (!are_whole) {
     if (coding.kind == CodeKind::quanta)
-      throw Failure(Cause::invalid_argument, "a height that is no multiple of the quantum cannot be written");
+      throw Failure(Cause::invalid_argument, "cannot write a height between two multiples of the quantum");
     const bool are_floats = all([](double h) { return same_bits(static_cast<double>(static_cast<float>(h)), h); });
     coding.kind = are_floats ? CodeKind::floats : CodeKind::doubles;
     largest = 0;
@@ -134,7 +134,7 @@ Array<double> heights_of(const HeightCoding& coding, std::span<const Code> codes
       heights[i] = static_cast<double>(codes[i]) * step.scale / step.divisor + step.offset;
   }
   for (const double h : heights) finite &= std::abs(h) <= std::numeric_limits<double>::max();
-  if (!finite) throw Failure(Cause::corrupt, "corrupt: a height that is no number");
+  if (!finite) throw Failure(Cause::corrupt, "corrupt: a height is infinite or NaN");
   return heights;
 }
 
