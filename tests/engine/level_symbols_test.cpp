@@ -91,7 +91,7 @@ Bytes encoded(LevelEncoder<Code>& encoder, Level<Code>& level) {
   for (std::size_t half = 0; half < 2; ++half) {
     records[half].resize(level[half].size());
     for (std::size_t b = 0; b < level[half].size(); ++b) {
-      for (auto& told : level[half][b]) records[half][b].take(told.as_row(), false);
+      for (auto& told : level[half][b]) records[half][b].take(told.as_row());
     }
   }
   return encoder.encode(records);

@@ -148,8 +148,8 @@ TEST(Longitudes, PointsAndLinesOfInterestAreTaken) {
   EXPECT_EQ(along.back(), (GridPoint{109, 49}));
   const auto here = focus_tolerance(d, 180.305, 51.505, 1, Metres{2}),
              there = focus_tolerance(d, -179.695, 51.505, 1, Metres{2});
-  EXPECT_NEAR(there->at({130, 49}), 2, 1e-6);
-  EXPECT_NEAR(there->at({10, 10}), here->at({10, 10}), 1e-6);
+  EXPECT_NEAR(there->at({130, 49}).value, 2, 1e-6);
+  EXPECT_NEAR(there->at({10, 10}).value, here->at({10, 10}).value, 1e-6);
   const std::vector<Position> outside{{178.5, 51.5}};
   EXPECT_THROW(static_cast<void>(samples_nearest(d, d.extent, outside)), Failure);
 }
