@@ -30,7 +30,7 @@ inline void expect_local_tolerance(const Mesh& mesh, const Terrain& terrain, dou
         if (terrain.valid[at] == 0) continue;
         const double surface = u * mesh.heights[t[0]] + v * mesh.heights[t[1]] + (1 - u - v) * mesh.heights[t[2]];
         const double error = std::abs(terrain.values[at] - surface) * metres_per_unit;
-        const double tolerance = field.at({col, row});
+        const double tolerance = field.at({col, row}).value;
         ASSERT_LE(error, tolerance + 1e-6 + 1e-9 * std::abs(terrain.values[at]))
             << name << ": sample " << col << ',' << row;
       }
