@@ -58,6 +58,22 @@ Exit complain(const Complaint& complaint, bool json) {
   return complaint.code;
 }
 
+/// CLI11's sentences about too few or too many values, in plain words.
+std::string plain(std::string sentence) {
+  const std::pair<const char*, const char*> kWords[] = {{": 1 required TEXT missing", " needs a value"},
+                                                        {" is required", " is missing"},
+                                                        {": At Least ", " needs at least "},
+                                                        {": At least ", " needs at least "},
+                                                        {": At Most ", " takes at most "},
+                                                        {": At most ", " takes at most "},
+                                                        {" required but received ", ", given: "}};
+  for (const auto& [from, to] : kWords) {
+    const std::size_t at = sentence.find(from);
+    if (at != std::string::npos) sentence.replace(at, std::string_view(from).size(), to);
+  }
+  return sentence;
+}
+
 /// What is wrong with a command line that CLI11 refuses.
 std::string misuse(const CLI::App& program, const std::string& first, const CLI::ParseError& error) {
   const auto chosen = program.get_subcommands();
@@ -65,7 +81,7 @@ std::string misuse(const CLI::App& program, const std::string& first, const CLI:
   if (chosen.empty() && !first.empty() && first[0] != '-') {
     for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
     const std::string meant = did_you_mean(first, names);
-    return fmt::format("there is no subcommand {}{}", first, meant.empty() ? "; choose " + listed(names, "or") : meant);
+    return fmt::format("there is no command {}{}", first, meant.empty() ? "; choose " + listed(names, "or") : meant);
   }
   const CLI::App& command = chosen.empty() ? program : *chosen.front();
   const std::string help = chosen.empty() ? "talus --help" : "talus help " + command.get_name();
@@ -78,21 +94,22 @@ std::string misuse(const CLI::App& program, const std::string& first, const CLI:
     const std::string meant = did_you_mean(name, names);
     return fmt::format("there is no option {}{}", name, meant.empty() ? "; " + help + " lists them" : meant);
   }
-  if (chosen.empty()) return "a subcommand is missing; " + help + " lists them";
+  if (chosen.empty()) return "a command is missing; " + help + " lists them";
   const std::vector<std::string> extra = command.remaining();
-  return fmt::format("{}; {} says more", extra.empty() ? error.what() : "unexpected word " + extra.front(), help);
+  return fmt::format("{}; {} says more", extra.empty() ? plain(error.what()) : "unexpected word " + extra.front(),
+                     help);
 }
 
 Exit run(std::vector<std::string> arguments) {
   CLI::App program{
       "Talus answers questions about terrain. Ask for a rectangle and a tolerance in metres: the mesh has no cracks, "
-      "and every sample lies within the tolerance.",
+      "and every sample under it lies within the tolerance.",
       "talus"};
   program.formatter(std::make_shared<Help>());
   program.set_version_flag("--version", "talus " TALUS_VERSION, "Print the version");
   program.set_help_flag("-h,--help", "Print this help");
   program.require_subcommand(1);
-  program.footer("talus help SUBCOMMAND explains a subcommand, talus help TOPIC a topic.\n\n" + topics() +
+  program.footer("talus help COMMAND explains a command, talus help TOPIC a topic.\n\n" + topics() +
                  "\n\nExamples:\n"
                  "  talus ingest alps.tif alps.talus\n"
                  "  talus query alps.talus --tolerance 2 --bbox=7.5,45.9,7.8,46.1 -o matterhorn.ply");

@@ -33,8 +33,12 @@ function(talus_report_missing)
     list(REMOVE_DUPLICATES talus_missing_packages)
     list(JOIN talus_missing "\n" lines)
     list(JOIN talus_missing_packages " " packages)
-    message(FATAL_ERROR "Talus does not find\n${lines}\n"
-                        "Install them with './dev setup' or 'apt-get install ${packages}'.")
+    set(sentence "Talus does not find\n${lines}\nInstall them with 'apt-get install ${packages}'.")
+    if(NOT DEFINED CMAKE_FIND_PACKAGE_NAME)
+      message(FATAL_ERROR "${sentence}")
+    endif()
+    set(Talus_FOUND FALSE PARENT_SCOPE)  # find_package(Talus) decides whether this is an error
+    set(Talus_NOT_FOUND_MESSAGE "${sentence}" PARENT_SCOPE)
   endif()
 endfunction()
 

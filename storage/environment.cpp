@@ -25,6 +25,7 @@ void check(int code, const char* doing, const std::filesystem::path& file) {
       throw Failure(Cause::full, fmt::format("{}: the disk is full; free some space or write elsewhere", file.string()),
                     file);
     case ENOENT: throw Failure(Cause::not_found, sentence, file);
+    case ENOMEM: throw Failure(Cause::out_of_memory, sentence, file);
     case MDB_INVALID:
     case MDB_VERSION_MISMATCH:
     case MDB_CORRUPTED:
@@ -78,13 +79,36 @@ void PageStore::Environment::watch_map(MDB_txn* txn) {
   if (number <= info.me_last_pgno) guard.watch(page - number * sizes.ms_psize, info.me_mapsize);
 }
 
+namespace {
+
+using ChangeTime = std::pair<std::int64_t, std::int64_t>;
+
+ChangeTime change_time(const struct stat& status) { return {status.st_mtim.tv_sec, status.st_mtim.tv_nsec}; }
+
+/// The state of the open file, whatever its name leads to now. Empty: the system does not say.
+std::optional<struct stat> status_of(MDB_env* env) {
+  int descriptor = -1;
+  struct stat now {};
+  if (mdb_env_get_fd(env, &descriptor) != MDB_SUCCESS || ::fstat(descriptor, &now) != 0) return std::nullopt;
+  return now;
+}
+
+}  // namespace
+
+bool PageStore::Environment::has_changed() const {
+  if (!changed_before) return false;
+  const auto now = status_of(env.get());
+  return now && change_time(*now) != *changed_before;
+}
+
 void PageStore::Environment::require_all_bytes() const {
-  if (!guard.has_lost_bytes()) return;
-  throw Failure(
-      Cause::io,
-      fmt::format("{}: the file was cut short while it was open, or its disk fails: restore it, and open it again",
-                  file.string()),
-      file);
+  if (!guard.has_lost_bytes() && !has_changed()) return;
+  const auto now = status_of(env.get());
+  const bool is_short = guard.has_lost_bytes() || (now && static_cast<std::uint64_t>(now->st_size) < file_bytes);
+  const char* what = is_short
+                         ? "the file was cut short while it was open, or its disk fails: restore it, and open it again"
+                         : "another program wrote into the file while it was open: open it again";
+  throw Failure(Cause::io, fmt::format("{}: {}", file.string(), what), file);
 }
 
 namespace {
@@ -103,8 +127,9 @@ class OpenFiles {
       throw Failure(Cause::corrupt,
                     fmt::format("{}: it is not a regular file, so it is not a database", file.string()));
     const auto key = std::pair{status.st_dev, status.st_ino};
-    if (auto shared = open_[key].lock()) return shared;
+    if (auto shared = open_[key].lock(); shared && !shared->has_changed()) return shared;
     auto made = make(file, static_cast<std::uint64_t>(status.st_size));
+    made->changed_before = change_time(status);
     made->place = {status.st_dev, status.st_ino};
     open_[key] = made;
     return made;
@@ -143,7 +168,8 @@ const std::filesystem::path& PageStore::file() const { return environment_->file
 bool PageStore::is_file(const std::filesystem::path& name) const {
   struct stat status {};
   return ::stat(name.c_str(), &status) == 0 &&
-         environment_->place == std::pair<std::uint64_t, std::uint64_t>{status.st_dev, status.st_ino};
+         environment_->place == std::pair<std::uint64_t, std::uint64_t>{status.st_dev, status.st_ino} &&
+         !environment_->has_changed();
 }
 std::uint64_t PageStore::file_bytes() const { return environment_->file_bytes; }
 

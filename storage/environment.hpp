@@ -44,12 +44,16 @@ struct PageStore::Environment {
   std::filesystem::path file;
   std::uint64_t file_bytes = 0;
   std::pair<std::uint64_t, std::uint64_t> place;  ///< device and inode
+  /// When a file that is only read was last changed before it was opened, in seconds and nanoseconds.
+  std::optional<std::pair<std::int64_t, std::int64_t>> changed_before;
 
   /// Opens the tables that exist and are not open yet.
   void open_tables();
   /// Finds LMDB's map by any of its pages and has the guard watch it.
   void watch_map(MDB_txn* txn);
-  /// fails  io: the file became shorter or cannot be read; bytes read since then may be zeros
+  /// Whether another program has written into a file that is only read. Costs one system call.
+  [[nodiscard]] bool has_changed() const;
+  /// fails  io: the file became shorter, was written into or cannot be read; what was read since then may be wrong
   void require_all_bytes() const;
 };
 

@@ -23,9 +23,10 @@ struct ReadTxn::Impl {
   }
   [[nodiscard]] Failure in_file(const Failure& f) const {
     const std::string sentence = f.what(), kind = "corrupt: ";
-    return {f.cause(), sentence.starts_with(kind)
-                           ? fmt::format("{}{}: {}", kind, file().string(), sentence.substr(kind.size()))
-                           : fmt::format("{}: {}", file().string(), sentence)};
+    return {f.cause(),
+            sentence.starts_with(kind) ? fmt::format("{}{}: {}", kind, file().string(), sentence.substr(kind.size()))
+                                       : fmt::format("{}: {}", file().string(), sentence),
+            file()};
   }
   [[nodiscard]] std::optional<std::span<const std::byte>> value(int number, std::uint64_t position) const {
     if (!table(number)) return std::nullopt;

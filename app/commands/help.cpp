@@ -14,14 +14,14 @@ struct Topic {
 
 constexpr Topic kTopics[] = {
     {"tolerance", "what a tolerance promises, and how to choose one",
-     R"(The tolerance is a distance in metres. Talus makes a mesh such that every sample under it lies within the tolerance of its surface, measured along the vertical.
+     R"(The tolerance is a distance in metres. Talus makes a mesh such that every sample under it lies within the tolerance of its surface, measured along the vertical. A sample is not under the mesh where voids leave it too few neighbours for a triangle; talus verify counts these as stray.
 
 A larger tolerance gives fewer triangles and a faster answer:
   0      every sample lies exactly on the surface
   2      every sample lies within 2 m
   inf    the coarsest mesh there is
 
-The bound is what an answer keeps. It is at most the tolerance, except where ingest rounded heights (--height-step) or kept fewer vertices (--tolerance), and where --max-level leaves out fine levels. A database made with --metric perpendicular measures at right angles to the triangles.
+The bound is what an answer keeps. It is at most the tolerance (plus some nanometres where heights are decimal fractions), except where ingest rounded heights (--height-step) or kept fewer vertices (--tolerance), and where --max-level leaves out fine levels. A database made with --metric perpendicular measures at right angles to the triangles.
 
 Other ways to say how exact an answer is:
   --max-triangles N     the smallest tolerance whose mesh has at most N triangles; N may be 1e5, 100k or 2.5M
@@ -63,7 +63,7 @@ In a CRS with degrees, .ply and .obj have X and Y in degrees and Z in the unit o
   talus query alps.talus --tolerance 20 -o coarse.rqt
   talus convert coarse.rqt -o coarse.ply
 
-An increment holds only what a finer answer has in addition. It fits one answer: the same database, rectangle and tolerance, with --border constrain.
+An increment holds only what a finer answer has in addition. It fits one answer: the one of the same database and rectangle whose tolerance is --from, with --border constrain.
   talus query alps.talus --from 20 --tolerance 2 -o more.rqt
   talus merge coarse.rqt more.rqt -o fine.rqt
 
@@ -71,7 +71,7 @@ The result is the answer at 2 m, bit for bit. --heights bounded makes .rqt files
 
 Neighbouring rectangles at one tolerance meet without cracks. At different tolerances, --match takes the vertices on the shared side from the neighbour.)"},
     {"voids", "samples without data",
-     R"(A void is a sample without a height: nodata, a mask, alpha 0 or NaN. No triangle covers a void, and no bound holds there.
+     R"(A void is a sample without a height: nodata, a mask, alpha 0 or NaN. At fine tolerances no triangle covers a void. At coarse ones a triangle may reach over one, by at most the tolerance divided by the void weight, and a small void can vanish. The bound holds for samples, not for voids.
 
 Where files do not declare their nodata value, name it:
   talus ingest tiles/ land.talus --nodata -9999
@@ -85,7 +85,7 @@ A failure is an object too, on one line:
 
 "file" is null when no file is at fault. The causes are invalid_argument, not_found, corrupt, unsupported, full, io, cancelled, too_large, out_of_memory, interrupted and unexpected.
 
-Standard error has the same sentence, and one line for each note: talus: note: ...)"},
+Standard error has the same sentence. Notes are lines on standard error that begin with "talus: note:".)"},
     {"exit-codes", "what the exit code of each command means",
      R"(  0    done
   1    failed: a file is missing, cannot be read, or is not supported

@@ -30,6 +30,14 @@ struct Request {
 };
 
 void complete_options(Request& request) {
+  const std::string ending = std::filesystem::path(request.database()).extension().string();
+  for (const char* raster : {".tif", ".tiff", ".vrt", ".hgt", ".asc", ".img", ".bil", ".nc", ".png"}) {
+    if (request.update || ending != raster) continue;
+    throw Failure(Cause::invalid_argument,
+                  fmt::format("the last name is the database, and {} ends like a raster; name a database such as "
+                              "land.talus at the end",
+                              request.database()));
+  }
   IngestOptions& o = request.options;
   if (request.cell) std::tie(o.inputs.target_dx, o.inputs.target_dy) = *request.cell;
   if (!request.grid_of.empty()) {
@@ -168,7 +176,7 @@ void add_grid_options(Command& command, Request& request) {
   command.group("Joining and resampling");
   command.choice("--priority", inputs.priority_resolution, Names<bool>{{"later", false}, {"resolution", true}},
                  "Which input wins where several overlap.\n"
-                 "later (default): the one named later\n"
+                 "later (default): the one that comes later on the command line\n"
                  "resolution: the one with smaller cells");
   command.option("--t-srs", inputs.target_srs, "CRS", "Resample to this CRS");
   command.option("--tr", request.cell, kCell, "DX,DY", "Resample to cells of this size, in units of the CRS");
@@ -180,7 +188,7 @@ void add_grid_options(Command& command, Request& request) {
                  "Resample by bilinear (default), near, cubic or average");
   command.file("--grid-of", request.grid_of, "DATABASE", "Resample to the grid of this database");
   command.option("--height-step", inputs.height_step, kMetresAboveZero, "M",
-                 "Round heights to multiples of M metres. Every bound then includes half of it");
+                 "Round heights to multiples of M metres. Every bound then grows by M/2");
 }
 
 }  // namespace
@@ -213,13 +221,14 @@ void add_ingest(CLI::App& program, Action& action) {
                  "none: nothing");
 
   command.group("What the database promises");
-  command.option("--tolerance", options.finest_tolerance, kTolerance, "M",
-                 "Keep only the vertices that answers at M metres need. The file is smaller; it gives no finer answer "
-                 "and cannot be updated. Default: keep every sample, bit for bit");
+  command.option(
+      "--tolerance", options.finest_tolerance, kTolerance, "M",
+      "Make a smaller database: it keeps only the vertices that answers at M metres need, gives no finer answer "
+      "and cannot be updated. Default: keep every sample, bit for bit");
   command.option(
       "--void-weight", options.void_weight, kWeight, "W",
-      "Error in metres per metre of ground where a triangle mixes data and void. A larger weight follows the "
-      "outline of the data more closely. Default: 1");
+      "How closely a mesh follows the outline of voids: it is off by at most tolerance / W metres on the ground. "
+      "Default: 1");
   command.choice("--metric", options.error_metric,
                  Names<ErrorMetric>{{"vertical", ErrorMetric::vertical}, {"perpendicular", ErrorMetric::perpendicular}},
                  "vertical (default): distances along the vertical\n"

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <iterator>
 
 #include "app/commands/commands.hpp"
 #include "app/files/named_files.hpp"
 #include "app/options/outputs.hpp"
 #include "app/terminal/report.hpp"
+#include "app/terminal/say.hpp"
 #include "talus/database.hpp"
 
 namespace talus::app {
@@ -46,6 +48,8 @@ Exit run(Request& request) {
   }
   const Snapshot now = open_database(request.database).snapshot();
   const Profile profile = now.profile(request.line, request.tolerance);
+  if (std::any_of(request.line.begin(), request.line.end(), [&](Position p) { return !is_inside(now, p); }))
+    note("the line leaves the raster; the profile has the parts inside");
   if (!request.output.empty()) write_text(request.output, csv(profile));
   std::size_t vertices = 0;
   for (const auto& part : profile.parts) vertices += part.size();
@@ -80,7 +84,7 @@ void add_profile(CLI::App& program, Action& action) {
   command.option("--line", request->line, kLine, "X,Y,X,Y,...", "The line: two points or more")->required();
   command.option("--tolerance", request->tolerance, kTolerance, "M", "Tolerance in metres, 0 or more, or inf")
       ->required();
-  command.file("-o,--output", request->output, "FILE.csv", "Write the vertices to this file");
+  command.file("-o,--output", request->output, "FILE.csv", "Write the vertices to this file. Default: to the screen");
   command.finish(
       action, request, run,
       "The profile has few vertices. Every sample on the line that has data lies within the tolerance of it. The line "

@@ -96,10 +96,13 @@ void require_fit_for_streams(const Request& request) {
 void require_tolerance(const Request& request) {
   const bool has_budget = request.question.budget.vertices > 0 || request.question.budget.triangles > 0;
   const bool has_raster = !request.tolerance_raster.empty();
-  if (int{has_budget} + int{has_raster} + int{request.tolerance.has_value()} != 1) {
+  const int said = int{has_budget} + int{has_raster} + int{request.tolerance.has_value()};
+  if (said != 1) {
     throw Failure(Cause::invalid_argument,
-                  "query needs --tolerance M, or one of these instead: --max-vertices, --max-triangles or "
-                  "--tolerance-raster");
+                  said == 0 ? "query needs --tolerance M, or one of these instead: --max-vertices, --max-triangles or "
+                              "--tolerance-raster"
+                            : "--tolerance, --max-vertices or --max-triangles, and --tolerance-raster all say how "
+                              "exact: give one of them");
   }
   if (has_raster && request.focus)
     throw Failure(Cause::invalid_argument, "--focus does not go with --tolerance-raster: remove one of them");
@@ -110,6 +113,12 @@ std::vector<std::string> remarks_on(const Request& request, const Answer& answer
   std::vector<std::string> remarks;
   if (is_clipped) remarks.push_back(clipped_text(*request.bbox));
   if (mesh.triangles.empty()) remarks.push_back(why_empty(mesh.region));
+  if (request.snap < 16 && request.question.budget.triangles + request.question.budget.vertices > 0 &&
+      mesh.size() > 1000 && 3 * answer.border_vertices > mesh.size()) {
+    remarks.push_back(fmt::format(
+        "{} of the {} vertices only let neighbouring rectangles meet; with --snap 16 more are left for the terrain",
+        counted(answer.border_vertices), counted(mesh.size())));
+  }
   if (!answer.unmatched.empty()) {
     remarks.push_back(
         fmt::format("the mesh has cracks: the neighbours lack {} of its vertices on shared sides; ask for them again "
@@ -318,9 +327,11 @@ void add_query(CLI::App& program, Action& action) {
   command.number("--max-triangles", question.budget.triangles, "N",
                  "Use the smallest tolerance (to within 0.6 %) whose mesh has at most N triangles", 1, kMost);
   command.number("--max-vertices", question.budget.vertices, "N",
-                 "The same for vertices. Vertices beside voids that no triangle uses count too", 1, kMost);
-  command.option("--focus", request->focus, kFocus, "X,Y,M",
-                 "Keep --tolerance at the point X,Y. It grows by M metres with each metre of distance");
+                 "The same for vertices. Some vertices beside voids are in no triangle; they count too", 1, kMost);
+  command.option(
+      "--focus", request->focus, kFocus, "X,Y,M",
+      "Keep --tolerance at the point X,Y. It grows by M metres with each metre of distance on the ground: 0.01 is "
+      "10 m for each kilometre");
   command.file(
       "--tolerance-raster", request->tolerance_raster, "FILE",
       "Raster with a tolerance in metres for each cell, at most 1000000. It has one band, covers the rectangle "

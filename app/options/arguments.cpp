@@ -217,7 +217,8 @@ std::int64_t read_whole(std::string_view names, std::string_view word, std::int6
     return static_cast<std::int64_t>(whole);
   refuse(names,
          most < 1'000'000 ? fmt::format("a whole number from {} to {}", least, most)
-                          : fmt::format("a whole number of at least {}, such as 100000, 1e5 or 100k", least),
+                          : fmt::format("a whole number of at least {}{}", least,
+                                        most > 0x7fffffff ? ", such as 100000, 1e5 or 100k" : ""),
          word);
 }
 

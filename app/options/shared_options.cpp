@@ -58,7 +58,7 @@ void add_height_options(Command& command, Heights& heights) {
                         {"bounded", HeightKind::bounded},
                         {"fitted", HeightKind::fitted},
                         {"dense", HeightKind::dense}},
-      "Heights of the vertices. The bound holds for each.\n"
+      "Heights of the vertices. The bound holds for each. Keep exact unless size matters.\n"
       "exact (default): as in the source\n"
       "bounded: rounded to multiples of a quantum, for smaller .rqt files\n"
       "fitted: moved within the tolerance, for the fewest vertices\n"
@@ -75,7 +75,7 @@ void add_border_option(Command& command, Border& border) {
                  "How the mesh ends at the rectangle.\n"
                  "constrain (default): its sides are edges\n"
                  "cover: whole triangles reach beyond\n"
-                 "clip: these, cut at the rectangle");
+                 "clip: whole triangles, then cut at the rectangle");
 }
 
 const char* name_of(Border border) { return name_in(borders(), border); }

@@ -60,7 +60,7 @@ std::string usage(const CLI::App& app, const std::string& name) {
                          : fmt::format(" {} {}", option->get_name(), word);
     }
   }
-  return text + (app.get_require_subcommand_min() > 0 ? " SUBCOMMAND" : "") + " [OPTIONS]";
+  return text + (app.get_require_subcommand_min() > 0 ? " COMMAND" : "") + " [OPTIONS]";
 }
 
 std::string left_of(const CLI::Option& option) {

@@ -104,9 +104,11 @@ void add_rectangle(Json& object, const Rectangle& asked, bool is_clipped) {
 }
 
 std::string bound_text(const Description& d, Metres bound) {
+  // Nanometres that decimal heights add are in the JSON.
+  const std::string text = std::isinf(bound.value) ? metres(bound.value) : fmt::format("{:.9g} m", bound.value);
   if (d.error_metric == ErrorMetric::perpendicular)
-    return metres(bound.value) + " at right angles to the triangles, more along the vertical";
-  return metres(bound.value);
+    return text + " at right angles to the triangles, more along the vertical";
+  return text;
 }
 
 std::string why_coarser(const Description& d, Metres tolerance) {

@@ -63,8 +63,10 @@ class Emitter {
 
  private:
   [[noreturn]] static void refuse() {
-    fail(Cause::corrupt,
-         "corrupt: a vertex lacks its parents, so there is no mesh: the errors that selected it are damaged");
+    fail(
+        Cause::corrupt,
+        "corrupt: a vertex lacks its parents, so there is no mesh: merge an increment first; otherwise the database is "
+        "damaged");
   }
 
   /// Logical and without a branch.

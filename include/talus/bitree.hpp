@@ -20,9 +20,9 @@ namespace talus {
 /// because a finer triangle needs it. Its height is halfway between the ends of its diamond, so it lies on the side of
 /// the other triangle. Fictitious vertices follow from the selected ones, so nobody has to send them.
 struct Bitree {
-  // Bits of `kinds`; `Diamond` is in engine/quadtree/grid.hpp.
-  static constexpr std::uint8_t kSplitsFirst = 1;   ///< splits the half of Diamond::apexes[0]
-  static constexpr std::uint8_t kSplitsSecond = 2;  ///< splits the half of Diamond::apexes[1]
+  // Bits of `kinds`. The first half of a diamond has bits 0 and 1 of RestrictedQuadtree::covers, the second 2 and 3.
+  static constexpr std::uint8_t kSplitsFirst = 1;
+  static constexpr std::uint8_t kSplitsSecond = 2;
   static constexpr std::uint8_t kSelected = 4;
 
   GridRect region{{0, 0}, {-1, -1}};
@@ -67,7 +67,7 @@ struct BitreeOptions {
 
 /// The bitree with these selected vertices: adds fictitious vertices and their heights.
 ///
-/// selected  over the region, sealed, with the vertices that its sides need (engine/quadtree/border.hpp)
+/// selected  over the region, sealed, with the vertices that its sides need
 /// heights   by rank
 /// returns   a bitree without covers; its bound is infinite, because it is made without samples
 /// fails     invalid_argument: not one height a vertex; a border vertex is missing

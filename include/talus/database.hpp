@@ -73,7 +73,7 @@ struct StorageSummary {
   int format_version = 0;
 };
 
-/// One consistent view of a database: later updates do not change it. Keep it short: while it lives, the system cannot
+/// One consistent view of a database: later updates do not change it. It may outlive the Database. Keep it short: while it lives, the system cannot
 /// free the space of a file that has been replaced.
 ///
 /// Threads: any number may use one snapshot at once, and it may move between them.
@@ -116,7 +116,7 @@ class Snapshot {
   /// has the same vertices, and increments between them are empty.
   ///
   /// returns  a quadtree; its mesh is empty where there are only voids, or in a region one sample wide
-  /// fails    invalid_argument: fields that cannot be combined (docs/questions.md); a region or point outside; a
+  /// fails    invalid_argument: fields that cannot be combined; a region or point outside; a
   ///          negative tolerance or level; `from` not above the tolerance; a neighbour of another state or without a
   ///          shared side; a budget below what the border needs; rounded heights at tolerance 0 or infinity, with a
   ///          quantum too large for the tolerance or beyond 10¹⁵ multiples of it. unsupported: fitted heights, or
@@ -131,7 +131,8 @@ class Snapshot {
   /// Answers several questions so that all answers meet without cracks, wherever two regions share a side or a part of
   /// one, at any tolerances and however thin they are.
   ///
-  /// returns  one answer a question, in their order; `unmatched` can only name vertices of their own neighbours
+  /// returns  one answer a question, in their order; `unmatched` can only name vertices of their own neighbours. Limits
+  ///          hold for each question; a stop token of one stops all
   /// fails    as ask
   /// cost     ask() for each question, and the vertices of all answers in memory
   /// source   [P98 §9]
@@ -145,8 +146,8 @@ class Snapshot {
   /// line between two samples (within 10⁻⁶ cell) it needs only these two; on a sample it has that height, bit for bit.
   ///
   /// surface  a tolerance: the height of the whole raster's answer at it, as a mesh shows it
-  /// returns  empty outside the extent, at a void sample, where the surface has no triangle, or if a coordinate is not
-  ///          finite
+  /// returns  empty outside the extent, where a sample that it needs is void, where the surface has no triangle, or if
+  ///          a coordinate is not finite
   /// fails    unsupported: no tolerance, and the database did not keep all samples; invalid_argument: the tolerance
   /// cost     a few pages; the first surface of a snapshot also the border's vertices, linear in the extent's sides
   [[nodiscard]] std::optional<double> height(double x, double y, std::optional<Metres> surface = {}) const;
@@ -193,12 +194,13 @@ struct OpenOptions {
   int threads = 0;
 };
 
-/// An open database. Copies share one file and one cache; a process opens each file once.
+/// An open database. Copies share one file and one cache. Every open() has a cache of its own, so open each file once.
 ///
 /// A database file never changes in place: update() and compact() write a new file and rename it. An open Database and
 /// its snapshots keep the old file, so all their answers have the old state. is_current() says whether the name still
 /// leads to the open file; reopen() opens the new one. The system frees the old file with its last Database and
-/// Snapshot. If another program writes into the file or cuts it short, questions fail with corrupt or io.
+/// Snapshot. If another program writes into the open file or cuts it short, questions fail with io, is_current() is
+/// false, and reopen() opens what the file is now.
 ///
 /// Threads: any number may call everything at once, except assign to a Database that others use.
 class Database {

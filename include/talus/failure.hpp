@@ -25,7 +25,7 @@ enum class Cause : int {
 
 [[nodiscard]] std::string_view to_string(Cause cause);
 
-/// A cause and a sentence: which file or value, what is wrong, what to do.
+/// A cause and a sentence: which file or value, what is wrong, what to do. Sentences about damage begin with "corrupt: ".
 ///
 /// Where an option would help, the sentence has its full name, for instance `InputOptions::allow_outside`. A program
 /// that has another name for the option can replace it.

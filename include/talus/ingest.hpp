@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -139,6 +140,10 @@ IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std:
                     const IngestOptions& options = {});
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,
                     const IngestOptions& options = {});
+inline IngestReport ingest(std::initializer_list<std::filesystem::path> inputs, const std::filesystem::path& database,
+                           const IngestOptions& options = {}) {
+  return ingest(std::vector<std::filesystem::path>(inputs), database, options);
+}
 
 /// Adds new or corrected data to a database. The result equals an ingest of all inputs, the new ones last. Only tiles
 /// with changed samples, and what depends on them, are computed; the rest is copied. Open databases keep the old file;

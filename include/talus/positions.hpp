@@ -24,10 +24,12 @@ struct LocalOrigin {
   double height = 0;  ///< in the vertical unit
 };
 
-/// Coordinates of all corners. positions[3·i], [3·i + 1], [3·i + 2] are x, y, z of corner i; mesh.triangles index i.
+/// Coordinates of all corners. positions[3·i], [3·i + 1], [3·i + 2] are x, y, z of corner i. mesh.triangles, three numbers
+/// a triangle in one piece, is the index buffer.
 ///
 /// In a geographic CRS, `local` is the plane that touches the ellipsoid at the origin; the Earth curves away below it.
-/// Heights count as heights above the ellipsoid. In other systems `local` is the CRS in metres, moved to the origin.
+/// Heights count as heights above the ellipsoid. In other systems `local` is the CRS in metres, moved to the origin:
+/// metres of the map, which differ from metres on the ground by the projection's scale.
 ///
 /// fails  invalid_argument: an origin that is not finite or has a latitude beyond a pole; unsupported: ecef in a CRS
 ///        that is not geographic

@@ -90,7 +90,7 @@ class VertexMask {
 enum class Border {
   constrain,  ///< at the sides of the region, which are mesh edges; answers at one tolerance meet there
   cover,      ///< outside: it has every triangle of the whole raster's answer that meets the region
-  clip        ///< the triangles of `cover`, cut at the rectangle that was asked for (see clip_mesh)
+  clip        ///< as `cover`; then call clip_mesh with PlacedRectangle::frame, which cuts at the rectangle
 };
 
 /// Which database an answer comes from, and how its vertices were chosen.
@@ -110,8 +110,12 @@ struct RestrictedQuadtree {
   GridRect region{{0, 0}, {-1, -1}};
   VertexMask vertices;    ///< over the region, or over everything that its triangles need
   Array<double> heights;  ///< by rank, in the source's vertical unit
-  /// Four bits a vertex, by rank: which of the four triangles with their right angle at this vertex hold data. Order:
-  /// `apex_triangles` in engine/quadtree/grid.hpp. Empty: all of them.
+  /// Four bits a vertex, by rank: which of the four triangles with their right angle at this vertex hold data. Empty:
+  /// all of them. Let s be the lowest set bit of col | row. If only col has it, bits 0 to 3 are the triangles to the
+  /// north-west, north-east, south-west, south-east (a corner each: s to the north or south, and s to the west or
+  /// east). If only row has it: north-west, south-west, north-east, south-east. If both have it, the square of side 2s
+  /// around the vertex is cut into four: where (col − s) and (row − s) have the same bit 2s, bits 0 to 3 are its north,
+  /// east, west and south quarter; elsewhere its north, west, east and south quarter.
   std::vector<std::uint8_t> covers;
   Metres tolerance;  ///< as asked
   /// No valid sample under the surface is farther from it, in the direction of Description::error_metric. It is at most
@@ -157,7 +161,8 @@ struct Mesh {
 /// threads  for large quadtrees; 0: one a core. The mesh does not depend on it
 /// stop     ends the work within some rows
 /// returns  triangles counter-clockwise seen from above (columns east, rows south)
-/// fails    corrupt: a vertex without its parents, which damaged errors can cause; cancelled; out_of_memory
+/// fails    corrupt: a vertex without its parents: an increment, which must be merged first, or damaged errors;
+///          cancelled; out_of_memory
 /// cost     linear in vertices and triangles
 /// source   [P98 §3]; without recursion: docs/architecture.md
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 0, const std::stop_token& stop = {});

@@ -99,11 +99,11 @@ struct Heights {
 struct Limits {
   /// Bytes of the answer and of the work on it. Decoded pages come on top, see OpenOptions::cache_bytes.
   std::uint64_t memory_bytes = 0;
-  std::uint64_t vertices = 0;
+  std::uint64_t vertices = 0;  ///< of the answer; with Question::from, of the increment alone
 };
 
-/// One question. By default it asks for the whole raster at tolerance 0. docs/questions.md lists the fields that cannot
-/// be combined. Several threads may ask the same Question at once if its field, progress and neighbours allow that.
+/// One question. By default it asks for the whole raster at tolerance 0. share/doc/talus/questions.md lists the fields
+/// that cannot be combined. Several threads may ask the same Question at once if its field, progress and neighbours allow that.
 struct Question {
   // ---- where ----
   /// The region in samples, within the extent. Default: `rectangle`, or the whole raster.
@@ -115,7 +115,8 @@ struct Question {
   Metres tolerance{0};  ///< metres, >= 0; infinity is allowed
   /// Use the smallest tolerance (to within 0.6 %) whose answer fits. The search reads the pages with the largest errors
   /// until no other page can change the result; Answer::search is its cost. A budget that the region's border alone
-  /// exceeds is refused.
+  /// exceeds is refused with invalid_argument. Leave `tolerance` at 0; the answer's is RestrictedQuadtree::tolerance.
+  /// Voids count: see Description::void_weight.
   Budget budget = {};
   std::shared_ptr<const ToleranceField> field = {};  ///< one tolerance a sample; `tolerance` is then ignored
 
@@ -139,7 +140,7 @@ struct Question {
   std::vector<const RestrictedQuadtree*> neighbours = {};
 
   // ---- how Talus works on it: does not change the answer ----
-  /// Threads; 0: OpenOptions::threads. Used from about a million samples on, without field, border, points, neighbours.
+  /// Threads, >= 0; 0: OpenOptions::threads. Used from about a million samples on, without field, border, points, neighbours.
   int threads = 0;
   std::stop_token stop = {};  ///< stops within a page or some thousand triangles, with Cause::cancelled
   /// Called now and then by the asking thread, with the share of the work that is done (0 to 1) and its stage. May
@@ -149,7 +150,7 @@ struct Question {
 };
 
 /// Checks that the fields of a question can be combined, as Snapshot::ask does. Needs no database.
-/// fails  invalid_argument, naming two fields that cannot; docs/questions.md has the table
+/// fails  invalid_argument, naming two fields that cannot; share/doc/talus/questions.md has the table
 void require_combinable(const Question& question);
 
 /// A region grown outward to multiples of `samples` from grid point (0, 0), within the extent. Borders on multiples of

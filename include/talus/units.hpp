@@ -1,6 +1,10 @@
 #pragma once
 // Units, grid points and rectangles. Every other header uses them.
 
+#if __cplusplus < 202002L
+#error "Talus needs C++20"
+#endif
+
 #include <compare>
 #include <cstdint>
 

@@ -28,7 +28,9 @@ PlacedRectangle placed(const Rectangle& asked, const Description& d, const Longi
   const Rectangle r = longitudes.among(asked);
   if (!(r.xmin < r.xmax) || !(r.ymin < r.ymax) || !std::isfinite(r.xmin) || !std::isfinite(r.ymin) ||
       !std::isfinite(r.xmax) || !std::isfinite(r.ymax)) {
-    refuse("rectangle {}: expected xmin < xmax and ymin < ymax", text);
+    const bool is_x = !(r.xmin < r.xmax);
+    refuse("rectangle {}: expected four finite numbers with xmin < xmax and ymin < ymax; {} {} is not below {}", text,
+           is_x ? "xmin" : "ymin", is_x ? asked.xmin : asked.ymin, is_x ? asked.xmax : asked.ymax);
   }
   const GridMapping& m = d.mapping;
   const double left = line_at(r.xmin, m.x0, m.dx), right = line_at(r.xmax, m.x0, m.dx);
@@ -40,8 +42,8 @@ PlacedRectangle placed(const Rectangle& asked, const Description& d, const Longi
   const double first_row = std::max<double>(north, e.first.row), last_row = std::min<double>(south, e.last.row);
   const bool thin = e.first.col == e.last.col || e.first.row == e.last.row;  // a raster one sample wide has no area
   if (first_col > last_col || first_row > last_row || (!thin && (first_col == last_col || first_row == last_row))) {
-    refuse("rectangle {}: nothing in common with the raster, whose samples span {},{},{},{}", text, m.x(e.first.col),
-           m.y(e.last.row), m.x(e.last.col), m.y(e.first.row));
+    refuse("rectangle {}: nothing in common with the raster, whose samples span x {} to {}, y {} to {}", text,
+           m.x(e.first.col), m.x(e.last.col), m.y(e.last.row), m.y(e.first.row));
   }
   PlacedRectangle found;
   found.samples = {{static_cast<std::int32_t>(first_col), static_cast<std::int32_t>(first_row)},

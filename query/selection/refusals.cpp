@@ -89,8 +89,10 @@ void require_from(const Question& question) {
 
 void require_finer(Metres from, Metres to) {
   if (to < from) return;
-  refuse("increment from {} m to {} m: expected a finer tolerance, Question::tolerance below Question::from",
-         from.value, to.value);
+  refuse(
+      "increment from {} m to {} m: the second must be smaller; lower Question::tolerance (or allow more with "
+      "Question::budget), or raise Question::from",
+      from.value, to.value);
 }
 
 void require_combinable(const Question& question) { require_combinable(question, false); }
@@ -107,6 +109,7 @@ Question accepted(const StoredPages& pages, const Question& asked, bool together
   }
   require_inside(pages, question.region);
   require_tolerance(question.tolerance);
+  if (question.threads < 0) refuse("{} threads: expected 0 or more", question.threads);
   if (question.max_level && *question.max_level < 0)
     refuse("finest level {}: expected 0 or more for Question::max_level", *question.max_level);
   if (question.from) require_from(question);

@@ -225,7 +225,7 @@ TEST_F(Accuracy, BadInputIsRefusedAndNothingIsLeft) {
   refused({"notes.txt"}, damaged, "notes.txt");
   refused({"a.talus", "--bbox=1,2,3,4"}, usage, "nothing in common");
   refused({"a.talus", "--bbox=1,2,3"}, usage, "--bbox");
-  refused({"a.talus", "--bbox=450615,5199085,450870,5199370"}, usage, "no three neighbouring samples");
+  refused({"a.talus", "--bbox=450615,5199085,450870,5199370"}, usage, "no three neighbouring valid samples");
   refused({"a.talus", "--against", "elsewhere.tif"}, usage, "elsewhere.tif");
   refused({"a.talus", "--against", "smaller.tif"}, usage, "smaller.tif");
   refused({"a.talus", "--against", "another_crs.tif"}, usage, "another CRS");

@@ -147,7 +147,7 @@ TEST_F(Interest, RastersThatSayNoToleranceAreRefused) {
   };
   Terrain tolerances(2, 2);
   write_tolerances("elsewhere.tif", tolerances, {1000, 1350, 0, 2000, 0, -2100}, "EPSG:32632");
-  refused("elsewhere.tif", {"region"});
+  refused("elsewhere.tif", {"does not overlap"});
   write_tolerances("part.tif", tolerances, {450000, 1000, 0, 5200000, 0, -2100}, "EPSG:32632");
   refused("part.tif", {"cover"});
   write_tolerances("other_crs.tif", tolerances, {450000, 1350, 0, 5200000, 0, -2100}, "EPSG:32633");

@@ -151,7 +151,7 @@ TEST(Merge, RefusesAnIncrementThatDoesNotGoOnFromTheAnswer) {
     std::function<void(RestrictedQuadtree&, Increment&)> change;
   };
   const std::vector<Change> changes{
-      {"no such answer", [](RestrictedQuadtree& a, Increment&) { a.origin.is_plain = false; }},
+      {"no increment can follow", [](RestrictedQuadtree& a, Increment&) { a.origin.is_plain = false; }},
       {"another database", [](RestrictedQuadtree& a, Increment&) { a.origin.identity.content = 78; }},
       {"update", [](RestrictedQuadtree& a, Increment&) { a.origin.identity.generation = 3; }},
       {"database",

@@ -475,5 +475,31 @@ TEST_F(Ask, AnOpenDatabaseKeepsItsFileAndReopenOpensTheNewOne) {
   EXPECT_EQ(difference(now_->ask({.tolerance = Metres{10}}).quadtree, before), "");
 }
 
+TEST_F(Ask, AFileThatAnotherProgramWritesIntoIsAFailureUntilItIsOpenedAgain) {
+  static_cast<void>(now_->ask({.tolerance = Metres{10}}));  // pages of the old content stay in the cache
+  RasterOptions file;
+  file.type = SampleType::int16;
+  write_raster(fit(fractal(700, 500, 9), SampleType::int16), folder_ / "b.tif", file);
+  ingest(folder_ / "b.tif", folder_ / "b.talus");
+  std::filesystem::copy_file(folder_ / "b.talus", folder_ / "a.talus",
+                             std::filesystem::copy_options::overwrite_existing);  // into the open file, as cp does
+  EXPECT_FALSE(database_->is_current());
+  const auto failure = failure_of([&] { static_cast<void>(database_->snapshot()); });
+  ASSERT_TRUE(failure);
+  EXPECT_EQ(failure->cause(), Cause::io);
+  EXPECT_EQ(failure->file(), folder_ / "a.talus");
+  const auto finer = failure_of([&] { static_cast<void>(now_->ask({.tolerance = Metres{0}})); });
+  if (finer) {
+    EXPECT_EQ(finer->cause(), Cause::io) << finer->what();  // else all its pages were in the cache
+  }
+
+  const Database anew = database_->reopen();
+  EXPECT_TRUE(anew.is_current());
+  const Database expected = Database::open(folder_ / "b.talus");
+  EXPECT_EQ(difference(anew.snapshot().ask({.tolerance = Metres{3}}).quadtree,
+                       expected.snapshot().ask({.tolerance = Metres{3}}).quadtree),
+            "");
+}
+
 }  // namespace
 }  // namespace talus::support
