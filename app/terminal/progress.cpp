@@ -48,9 +48,11 @@ void Progress::show(const IngestProgress& now) {
   if (telling_ == Telling::nobody) return;
   const auto time = Clock::now();
   const bool done = now.fraction >= 1;
-  if (!done && std::chrono::duration<double>(time - last_).count() < kInterval) return;
+  const bool begins = now.samples > 0 && !has_begun_;  // the first samples are said at once
+  if (!done && !begins && std::chrono::duration<double>(time - last_).count() < kInterval) return;
   if (telling_ == Telling::people && std::chrono::duration<double>(time - start_).count() < kQuiet) return;
   last_ = time;
+  has_begun_ = has_begun_ || begins;
   if (telling_ == Telling::people) {
     show_progress(line_of(now));
   } else {

@@ -28,6 +28,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   Telling telling_;
   Clock::time_point start_ = Clock::now(), last_{};
+  bool has_begun_ = false;  ///< samples were shown
 };
 
 }  // namespace talus::app

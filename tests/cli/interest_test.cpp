@@ -101,7 +101,7 @@ TEST_F(Interest, PointsAndLinesThatAreNoneAreRefused) {
   expect_refusal(query({"--points", "bad.txt"}), {usage}, {"bad.txt", "line 2", "north"});
   write_bytes(folder / "lines.txt", "450413 5199770\n450443 5199770\n\n450413 5199770\n");
   expect_refusal(query({"--lines", "lines.txt"}), {usage}, {"lines.txt", "line 4", "two"});
-  expect_refusal(query({"--point=450413,5199770", "--border=cover"}), {usage}, {"constrained border"});
+  expect_refusal(query({"--point=450413,5199770", "--border=cover"}), {usage}, {"must be constrained"});
   expect_refusal(query({"--point=450413,5199770", "--max-vertices=900"}, ""), {usage}, {"budget", "points"});
   expect_refusal(query({"--point=450413,5199770", "--from=2000", "-o", "out.rqt"}), {usage}, {"--from", "points"});
 }
@@ -166,11 +166,11 @@ TEST_F(Interest, RastersThatSayNoToleranceAreRefused) {
 
 TEST_F(Interest, OneThingDecidesAboutTheTolerance) {
   write_tolerances("one.tif", Terrain(1, 1));
-  expect_refusal(query({"--tolerance-raster", "one.tif"}), {usage}, {"--tolerance-raster", "instead"});
+  expect_refusal(query({"--tolerance-raster", "one.tif"}), {usage}, {"--tolerance-raster", "give one of them"});
   expect_refusal(query({"--tolerance-raster", "one.tif", "--max-triangles=900"}, ""), {usage}, {"--tolerance-raster"});
   expect_refusal(query({"--tolerance-raster", "one.tif", "--focus=450413,5199770,1"}, ""), {usage}, {"--focus"});
   expect_refusal(query({"--tolerance-raster", "one.tif", "--from=5", "-o", "out.rqt"}, ""), {usage}, {"--from"});
-  expect_refusal(query({"--tolerance-raster", "one.tif", "--border=cover"}, ""), {usage}, {"constrained border"});
+  expect_refusal(query({"--tolerance-raster", "one.tif", "--border=cover"}, ""), {usage}, {"must be constrained"});
   expect_refusal(query({}, ""), {usage}, {"--tolerance", "--max-vertices", "--tolerance-raster"});
 }
 

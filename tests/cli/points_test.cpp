@@ -90,7 +90,7 @@ TEST_F(Points, WhatIsNoPointIsRefused) {
   expect_refusal(talus({"height", "a.talus", "5", "north"}), {usage}, {"north"});
   expect_refusal(talus({"height", "a.talus", "5", "nan"}), {usage}, {"nan"});
   expect_refusal(talus({"height", "a.talus", "-", "5"}), {usage}, {"-"});
-  expect_refusal(talus({"height", "a.talus"}), {usage}, {"X Y is required"});
+  expect_refusal(talus({"height", "a.talus"}), {usage}, {"X Y is missing"});
   expect_refusal(talus({"height", "a.talus", "5", "6", "--surface", "-1"}), {usage}, {"--surface"});
   expect_refusal(talus({"height", "none.talus", "5", "6"}), {failed}, {"none.talus"});
 }

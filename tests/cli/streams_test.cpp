@@ -121,7 +121,7 @@ TEST_F(StreamCommands, RoundHeightsWithinTheTolerance) {
   expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "rough"}), {usage},
                  {"--heights", "rough"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--quantum", "2"}), {usage},
-                 {"--quantum", "--heights bounded"});
+                 {"--quantum", "bounded and fitted"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "6", "--heights", "bounded", "--quantum", "0"}), {usage},
                  {"--quantum", "0"});
   expect_refusal(talus({"query", "a.talus", "--tolerance", "1", "--heights", "bounded", "--quantum", "40"}), {usage},
