@@ -24,6 +24,7 @@
 #include "query/selection/combinations.hpp"
 #include "talus/ingest.hpp"
 #include "talus/talus.hpp"
+#include "tests/support/failure_of.hpp"
 #include "tests/support/quadtrees.hpp"
 #include "tests/support/raster_file.hpp"
 #include "tests/support/surfaces.hpp"
@@ -39,15 +40,6 @@ std::vector<std::string> lines_of(const std::string& file) {
   EXPECT_TRUE(in) << file;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
-}
-
-std::optional<Failure> failure_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Failure& failure) {
-    return failure;
-  }
-  return std::nullopt;
 }
 
 // ---- the header ----------------------------------------------------------------------------------------

@@ -13,18 +13,11 @@
 #include <gtest/gtest.h>
 
 #include "talus/failure.hpp"
+#include "tests/support/failure_of.hpp"
 
 namespace talus::support {
 namespace {
 
-std::optional<Failure> failure_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Failure& failure) {
-    return failure;
-  }
-  return std::nullopt;
-}
 bool is_too_large(const std::function<void()>& work, const std::string& limit) {
   const auto failure = failure_of(work);
   if (!failure) return false;
