@@ -120,6 +120,7 @@ struct SymbolRow {
 class SymbolReader {
  public:
   SymbolReader() = default;
+  /// Tables and bytes must stay as long as it reads.
   SymbolReader(const SymbolTables& tables, std::span<const std::byte> bytes);
   void take(const std::uint8_t* contexts, std::uint8_t* symbols, std::size_t count);
   [[nodiscard]] bool is_intact() const;

@@ -156,7 +156,8 @@ TEST(Symbols, AnyBytesAreReadWithinBounds) {
       }());
       tables = SymbolTables::of(counts);
     }
-    SymbolReader in(tables, random_bytes(random, 300));
+    const Bytes coded = random_bytes(random, 300);
+    SymbolReader in(tables, coded);
     std::vector<std::uint8_t> under(500), symbols(500);
     for (std::uint8_t& context : under) context = static_cast<std::uint8_t>(random.next() % contexts);
     in.take(under.data(), symbols.data(), symbols.size());
