@@ -87,7 +87,6 @@ struct ShapeKernel {
 };
 
 struct BlockKernel {
-  const char* name;
   int whole_lanes, real_lanes;  ///< blocks in a batch; scaled numbers have as many as whole ones
   /// Raise the errors of blocks of 16-bit whole numbers, floats, doubles.
   void (*whole)(const Batch&, const LadderTables&);

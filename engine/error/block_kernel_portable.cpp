@@ -1,4 +1,3 @@
 #define TALUS_VECTOR 16
 #define TALUS_KERNEL_NAME portable_block_kernel
-#define TALUS_KERNEL_WORD "portable"
 #include "engine/error/block_kernel.inc"

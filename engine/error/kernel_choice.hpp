@@ -1,14 +1,12 @@
 #pragma once
-// Chooses the kernel of errors for this processor. Other hot loops leave the choice to the compiler: TALUS_CLONES in
-// engine/machine/cpu.hpp.
+// The kernel of errors for this processor.
 
 #include "engine/error/block_kernel.hpp"
 
 namespace talus::detail {
 
-/// The fastest kernel of this processor, or the one that the environment variable TALUS_KERNEL names: portable, avx2 or
-/// avx512. All give the same bits.
-/// fails  invalid_argument: TALUS_KERNEL names none, or one that this processor or build lacks
+/// The kernel for instruction_set() (engine/machine/instruction_set.hpp). All give the same bits.
+/// fails  invalid_argument: as instruction_set()
 [[nodiscard]] const BlockKernel& block_kernel();
 
 }  // namespace talus::detail

@@ -47,6 +47,11 @@ class VertexMask {
     const auto [word, bit] = place(p);
     return before_[word] + static_cast<std::uint32_t>(std::popcount(words_[word] & ((std::uint64_t{1} << bit) - 1)));
   }
+  /// The rank of the first bit of each word of a row. The words and these numbers of one row follow those of the row
+  /// before it in memory.
+  [[nodiscard]] std::span<const std::uint32_t> row_ranks(std::int32_t row) const {
+    return {before_.data() + place({region_.first.col, row}).word, words_per_row_};
+  }
   /// The ranks of many points.
   void ranks(std::span<const GridPoint> points, std::span<std::uint32_t> out) const;
   /// Calls visit(GridPoint) for each member in rank order.
@@ -166,5 +171,10 @@ struct Mesh {
 /// cost     linear in vertices and triangles
 /// source   [P98 §3]; without recursion: docs/architecture.md
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 0, const std::stop_token& stop = {});
+/// The same, in the memory of a mesh that is no longer needed: writing to memory for the first time costs more than the
+/// triangulation itself.
+///
+/// into     any mesh; it becomes the result. After a failure its content is not defined
+void triangulate(const RestrictedQuadtree& quadtree, Mesh& into, int threads = 0, const std::stop_token& stop = {});
 
 }  // namespace talus

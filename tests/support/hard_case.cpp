@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/machine/instruction_set.hpp"
 #include "engine/stream/stream_codec.hpp"
 #include "talus/ingest.hpp"
 #include "tests/support/float_exceptions.hpp"
@@ -61,15 +62,9 @@ class ForcedKernel {
   std::optional<std::string> before_;
 };
 
-std::vector<const char*> kernels_of_this_cpu() {
-  std::vector<const char*> names{"portable"};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) names.push_back("avx2");
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl")) {
-    names.push_back("avx512");
-  }
-#endif
+std::vector<std::string> kernels_of_this_cpu() {
+  std::vector<std::string> names;
+  for (const InstructionSet set : instruction_sets_here()) names.emplace_back(to_string(set));
   return names;
 }
 
@@ -337,9 +332,9 @@ void HardDatabase::check_kernels_and_threads(double tolerance) const {
                        : kInfinity);
     }
   };
-  for (const char* kernel : kernels_of_this_cpu()) {
+  for (const std::string& kernel : kernels_of_this_cpu()) {
     SCOPED_TRACE(std::string("kernel ") + kernel);
-    const ForcedKernel forced(kernel);
+    const ForcedKernel forced(kernel.c_str());
     expect_same(2);
   }
   SCOPED_TRACE("one thread");

@@ -1,0 +1,27 @@
+#pragma once
+// Which instructions this processor has, for loops that are compiled several times: kernels. Other hot loops leave the
+// choice to the compiler: TALUS_CLONES in engine/machine/cpu.hpp.
+
+#include <span>
+#include <string_view>
+
+namespace talus {
+
+/// What a kernel may use beyond what every processor of its kind has. Each has all that those before it have.
+enum class InstructionSet {
+  portable,  ///< nothing
+  avx2,      ///< AVX2, BMI1, BMI2, POPCNT
+  avx512     ///< AVX-512 F, BW, VL, DQ, VBMI, VBMI2, BITALG, VPOPCNTDQ
+};
+
+[[nodiscard]] std::string_view to_string(InstructionSet set);
+
+/// The sets that this processor and this build have, the widest last.
+[[nodiscard]] std::span<const InstructionSet> instruction_sets_here();
+
+/// The widest set of this processor, or the one that the environment variable TALUS_KERNEL names: portable, avx2 or
+/// avx512.
+/// fails  invalid_argument: TALUS_KERNEL names none, or one that this processor or build lacks
+[[nodiscard]] InstructionSet instruction_set();
+
+}  // namespace talus

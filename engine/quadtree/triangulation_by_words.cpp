@@ -1,0 +1,157 @@
+#include "engine/quadtree/triangulation_by_words.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/machine/instruction_set.hpp"
+#include "engine/machine/parallel.hpp"
+#include "engine/quadtree/leaves.hpp"
+#include "engine/quadtree/triangle_kernel.hpp"
+
+namespace talus::detail {
+
+extern const TriangleKernel portable_triangle_kernel;
+#if defined(__x86_64__)
+extern const TriangleKernel avx2_triangle_kernel, avx512_triangle_kernel;
+#endif
+
+namespace {
+
+constexpr std::int64_t kRowsAtOnce = 256;  ///< between two checks of the stop token
+
+const TriangleKernel& triangle_kernel() {
+  switch (instruction_set()) {
+#if defined(__x86_64__)
+    case InstructionSet::avx512: return avx512_triangle_kernel;
+    case InstructionSet::avx2: return avx2_triangle_kernel;
+#endif
+    default: return portable_triangle_kernel;
+  }
+}
+
+MaskRows rows_of(const RestrictedQuadtree& quadtree) {
+  const VertexMask& mask = quadtree.vertices;
+  const GridRect& window = mask.region();
+  MaskRows rows;
+  rows.words = mask.row_words(window.first.row).data();
+  rows.before = mask.row_ranks(window.first.row).data();
+  rows.words_per_row = static_cast<std::int64_t>(mask.row_words(window.first.row).size());
+  rows.first_col = window.first.col, rows.first_row = window.first.row;
+  rows.last_col = window.last.col, rows.last_row = window.last.row;
+  return rows;
+}
+
+/// The triangles of some rows, in their order.
+class RowsOfTriangles {
+ public:
+  explicit RowsOfTriangles(const RestrictedQuadtree& quadtree)
+      : quadtree_(quadtree), rows_(rows_of(quadtree)), kernel_(triangle_kernel()), around_(quadtree) {}
+
+  [[nodiscard]] std::size_t count(const RowRange& part, const std::stop_token& stop) {
+    std::size_t sum = 0;
+    for_each_row(part, stop, [&](std::int32_t row) {
+      sum += kernel_.count_leaves(rows_, row);
+      for_each_large(row, [&](GridPoint p) {
+        std::array<Corners, kMostAround> found;
+        sum += static_cast<std::size_t>(large(p, found.data()) - found.data());
+      });
+    });
+    return sum;
+  }
+
+  /// Writes them and their points; returns their end.
+  ///
+  /// fails  corrupt: a corner is missing, or the triangles do not fit
+  Corners* write(const RowRange& part, const std::stop_token& stop, Mesh& mesh, Corners* out, const Corners* room_end) {
+    bool closed = true;
+    for_each_row(part, stop, [&](std::int32_t row) {
+      const std::size_t first = rank_of_row(row), most = kMostAround * (rank_of_row(row + std::int64_t{1}) - first);
+      // The kernel writes beyond the last triangle. Near the end of the room it writes elsewhere.
+      const bool fits = static_cast<std::size_t>(room_end - out) >= most + kWrittenAhead;
+      if (!fits) spare_.resize(std::max(spare_.size(), most + kWrittenAhead));
+      Corners* const start = fits ? out : spare_.data();
+      std::uint32_t* const kernel_end = kernel_.leaves(rows_, row, start->data(), closed);
+      Corners* end = start + (kernel_end - start->data()) / 3;
+      for_each_large(row, [&](GridPoint p) { end = large(p, end); });
+      if (!fits) {
+        if (end - start > room_end - out) refuse_not_closed();
+        std::copy(start, end, out);
+      }
+      out += end - start;
+      kernel_.points(rows_, row, &mesh.points[first].col);
+    });
+    if (!closed || !around_.closed()) refuse_not_closed();
+    return out;
+  }
+
+ private:
+  template <class Visit>
+  void for_each_row(const RowRange& part, const std::stop_token& stop, Visit&& visit) {
+    for (std::int64_t row = part.first; row <= part.last; ++row) {
+      if ((row - part.first) % kRowsAtOnce == 0) refuse_if_stopped(stop);
+      if (rank_of_row(row) != rank_of_row(row + 1)) visit(static_cast<std::int32_t>(row));
+    }
+  }
+  /// The vertices that the kernel leaves to us.
+  template <class Visit>
+  void for_each_large(std::int32_t row, Visit&& visit) {
+    constexpr std::int32_t kStep = 2 * kMostWordSpacing;
+    if (row % kStep != 0) return;
+    const GridRect& window = quadtree_.vertices.region();
+    for (std::int64_t col = (window.first.col + std::int64_t{kStep} - 1) & -kStep; col <= window.last.col; col += kStep) {
+      const GridPoint p{static_cast<std::int32_t>(col), row};
+      if (quadtree_.vertices.contains(p)) visit(p);
+    }
+  }
+  Corners* large(GridPoint p, Corners* out) {
+    const std::uint32_t self = quadtree_.vertices.rank(p);
+    return around_.write(p, self, quadtree_.covers.empty() ? std::uint8_t{15} : quadtree_.covers[self], out);
+  }
+  [[nodiscard]] std::size_t rank_of_row(std::int64_t row) const {
+    const std::int64_t at = row - rows_.first_row;
+    return row > rows_.last_row ? quadtree_.vertices.size() : rows_.before[at * rows_.words_per_row];
+  }
+
+  const RestrictedQuadtree& quadtree_;
+  MaskRows rows_;
+  const TriangleKernel& kernel_;
+  LeavesAround around_;
+  std::vector<Corners> spare_;
+};
+
+}  // namespace
+
+bool is_worth_words(const RestrictedQuadtree& quadtree) {
+  return quadtree.covers.empty() && answered(quadtree) == quadtree.vertices.region() && quadtree.vertices.size() > 0;
+}
+
+void triangulate_by_words(const RestrictedQuadtree& quadtree, Mesh& mesh, int threads, const std::stop_token& stop) {
+  const std::size_t vertices = quadtree.vertices.size();
+  threads = threads_for(vertices, threads);
+  resize_unset(mesh.points, vertices);
+  resize_unset(mesh.heights, vertices);
+  const std::vector<RowRange> parts = parts_of(quadtree.vertices, threads);
+  // Where each part begins is known when the triangles of the others have been counted.
+  std::vector<std::size_t> starts(parts.size() + 1, 0);
+  if (parts.size() == 1) {
+    starts[1] = 2 * vertices;  // a planar mesh has fewer than two triangles a vertex
+  } else {
+    for_each_task(threads, parts.size(),
+                  [&](int, std::size_t i) { starts[i + 1] = RowsOfTriangles(quadtree).count(parts[i], stop); });
+    for (std::size_t i = 0; i < parts.size(); ++i) starts[i + 1] += starts[i];
+  }
+  resize_unset(mesh.triangles, starts.back());
+  for_each_task(threads, parts.size(), [&](int, std::size_t i) {
+    Corners* const first = mesh.triangles.data();
+    const Corners* end = RowsOfTriangles(quadtree).write(parts[i], stop, mesh, first + starts[i], first + starts[i + 1]);
+    if (parts.size() == 1) starts[1] = static_cast<std::size_t>(end - first);
+    const std::size_t rank = quadtree.vertices.rank({quadtree.vertices.region().first.col, parts[i].first});
+    std::copy_n(quadtree.heights.begin() + static_cast<std::ptrdiff_t>(rank), parts[i].vertices,
+                mesh.heights.begin() + static_cast<std::ptrdiff_t>(rank));
+  });
+  mesh.triangles.resize(starts.back());
+}
+
+}  // namespace talus::detail
