@@ -12,7 +12,7 @@ namespace talus::detail {
 /// Vertices of larger spacing are left to the caller: a word holds at most one column of theirs.
 inline constexpr int kMostWordSpacing = 32;
 /// The kernel may write this many triangles beyond the last one.
-inline constexpr std::size_t kWrittenAhead = 64;
+inline constexpr std::size_t kWrittenAhead = 16;
 
 /// A vertex mask as plain numbers.
 struct MaskRows {
@@ -34,8 +34,8 @@ struct TriangleKernel {
   std::uint32_t* (*leaves)(const MaskRows& mask, std::int32_t row, std::uint32_t* out, bool& closed);
   /// The number of triangles that `leaves` writes.
   std::size_t (*count_leaves)(const MaskRows& mask, std::int32_t row);
-  /// Writes column and row of each vertex of the row, and up to 16 numbers more.
-  void (*points)(const MaskRows& mask, std::int32_t row, std::int32_t* out);
+  /// Writes column and row of each of the `count` vertices of the row.
+  void (*points)(const MaskRows& mask, std::int32_t row, std::uint32_t* out, std::size_t count);
 };
 
 }  // namespace talus::detail

@@ -67,7 +67,8 @@ class RowsOfTriangles {
   Corners* write(const RowRange& part, const std::stop_token& stop, Mesh& mesh, Corners* out, const Corners* room_end) {
     bool closed = true;
     for_each_row(part, stop, [&](std::int32_t row) {
-      const std::size_t first = rank_of_row(row), most = kMostAround * (rank_of_row(row + std::int64_t{1}) - first);
+      const std::size_t first = rank_of_row(row), count = rank_of_row(row + std::int64_t{1}) - first;
+      const std::size_t most = kMostAround * count;
       // The kernel writes beyond the last triangle. Near the end of the room it writes elsewhere.
       const bool fits = static_cast<std::size_t>(room_end - out) >= most + kWrittenAhead;
       if (!fits) spare_.resize(std::max(spare_.size(), most + kWrittenAhead));
@@ -80,7 +81,7 @@ class RowsOfTriangles {
         std::copy(start, end, out);
       }
       out += end - start;
-      kernel_.points(rows_, row, &mesh.points[first].col);
+      kernel_.points(rows_, row, reinterpret_cast<std::uint32_t*>(mesh.points.data() + first), count);
     });
     if (!closed || !around_.closed()) refuse_not_closed();
     return out;
