@@ -41,6 +41,10 @@ Corners* LeavesAround::write(GridPoint p, std::uint32_t self, std::uint8_t cover
   if (covers == 0 || spacing(p) == kRootSpacing) return out;
   const bool finest = ((p.col ^ p.row) & 1) != 0;
   const Diamond d = diamond(p);
+  const std::int32_t s = spacing(p);
+  // Where nothing is void or outside, corners are needed even if their triangle is split: they are parents.
+  const bool whole = covers == 15 && !reaches_out_ && window_.contains({p.col - s, p.row - s}) &&
+                     window_.contains({p.col + s, p.row + s});
   for (std::size_t side = 0; side < 2; ++side) {
     const GridPoint apex = d.apexes[side];
     if (!window_.contains(apex)) continue;
@@ -48,9 +52,10 @@ Corners* LeavesAround::write(GridPoint p, std::uint32_t self, std::uint8_t cover
       const GridPoint other = d.ends[end];
       if ((covers >> (2 * side + end) & 1) == 0 || !window_.contains(other)) continue;
       if (reaches_out_ && !meets({p, apex, other}, region_)) continue;
-      if (!finest && mask_.contains(midpoint(apex, other))) continue;
+      const bool split = !finest && mask_.contains(midpoint(apex, other));
+      if (!split || whole) closed_ = closed_ && mask_.contains(apex) && mask_.contains(other);
+      if (split) continue;
       const std::uint32_t left = mask_.rank(apex), right = mask_.rank(other);
-      closed_ = closed_ && mask_.contains(apex) && mask_.contains(other);
       *out++ = is_counter_clockwise({p, apex, other}) ? Corners{self, left, right} : Corners{self, right, left};
     }
   }

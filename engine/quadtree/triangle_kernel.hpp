@@ -18,9 +18,7 @@ inline constexpr std::size_t kWrittenAhead = 16;
 struct MaskRows {
   const std::uint64_t* words = nullptr;   ///< row by row; bits beyond the last column are 0
   const std::uint32_t* before = nullptr;  ///< the rank of the first bit of each word
-  /// By rank, the bits of RestrictedQuadtree::covers, and 64 bytes behind them that may be read; null: all triangles
-  /// hold data.
-  const std::uint8_t* covers = nullptr;
+  const std::uint8_t* covers = nullptr;   ///< by rank, as RestrictedQuadtree::covers; null: all triangles hold data
   std::int64_t words_per_row = 0;
   std::int32_t first_col = 0, first_row = 0, last_col = 0, last_row = 0;
 };
@@ -34,8 +32,8 @@ struct TriangleKernel {
   std::uint32_t* (*leaves)(const MaskRows& mask, std::int32_t row, std::uint32_t* out, bool& closed);
   /// The number of triangles that `leaves` writes.
   std::size_t (*count_leaves)(const MaskRows& mask, std::int32_t row);
-  /// Writes column and row of each of the `count` vertices of the row.
-  void (*points)(const MaskRows& mask, std::int32_t row, std::uint32_t* out, std::size_t count);
+  /// Writes column and row of each vertex of the row, and numbers beyond them up to `room_end`.
+  void (*points)(const MaskRows& mask, std::int32_t row, std::uint32_t* out, const std::uint32_t* room_end);
 };
 
 }  // namespace talus::detail

@@ -37,6 +37,7 @@ MaskRows rows_of(const RestrictedQuadtree& quadtree) {
   MaskRows rows;
   rows.words = mask.row_words(window.first.row).data();
   rows.before = mask.row_ranks(window.first.row).data();
+  if (!quadtree.covers.empty()) rows.covers = quadtree.covers.data();
   rows.words_per_row = static_cast<std::int64_t>(mask.row_words(window.first.row).size());
   rows.first_col = window.first.col, rows.first_row = window.first.row;
   rows.last_col = window.last.col, rows.last_row = window.last.row;
@@ -66,9 +67,11 @@ class RowsOfTriangles {
   /// fails  corrupt: a corner is missing, or the triangles do not fit
   Corners* write(const RowRange& part, const std::stop_token& stop, Mesh& mesh, Corners* out, const Corners* room_end) {
     bool closed = true;
+    auto* const numbers = reinterpret_cast<std::uint32_t*>(mesh.points.data());
+    const std::size_t points_end = rank_of_row(part.last + std::int64_t{1});
     for_each_row(part, stop, [&](std::int32_t row) {
-      const std::size_t first = rank_of_row(row), count = rank_of_row(row + std::int64_t{1}) - first;
-      const std::size_t most = kMostAround * count;
+      const std::size_t first = rank_of_row(row);
+      const std::size_t most = kMostAround * (rank_of_row(row + std::int64_t{1}) - first);
       // The kernel writes beyond the last triangle. Near the end of the room it writes elsewhere.
       const bool fits = static_cast<std::size_t>(room_end - out) >= most + kWrittenAhead;
       if (!fits) spare_.resize(std::max(spare_.size(), most + kWrittenAhead));
@@ -81,7 +84,7 @@ class RowsOfTriangles {
         std::copy(start, end, out);
       }
       out += end - start;
-      kernel_.points(rows_, row, reinterpret_cast<std::uint32_t*>(mesh.points.data() + first), count);
+      kernel_.points(rows_, row, numbers + 2 * first, numbers + 2 * points_end);
     });
     if (!closed || !around_.closed()) refuse_not_closed();
     return out;
@@ -125,7 +128,7 @@ class RowsOfTriangles {
 }  // namespace
 
 bool is_worth_words(const RestrictedQuadtree& quadtree) {
-  return quadtree.covers.empty() && answered(quadtree) == quadtree.vertices.region() && quadtree.vertices.size() > 0;
+  return answered(quadtree) == quadtree.vertices.region() && quadtree.vertices.size() > 0;
 }
 
 void triangulate_by_words(const RestrictedQuadtree& quadtree, Mesh& mesh, int threads, const std::stop_token& stop) {

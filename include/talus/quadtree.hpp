@@ -165,16 +165,17 @@ struct Mesh {
 ///
 /// threads  for large quadtrees; 0: one a core. The mesh does not depend on it
 /// stop     ends the work within some rows
-/// returns  triangles counter-clockwise seen from above (columns east, rows south)
+/// returns  triangles counter-clockwise seen from above (columns east, rows south). Their order depends on the quadtree
+///          alone
 /// fails    corrupt: a vertex without its parents: an increment, which must be merged first, or damaged errors;
 ///          cancelled; out_of_memory
 /// cost     linear in vertices and triangles
 /// source   [P98 §3]; without recursion: docs/architecture.md
 [[nodiscard]] Mesh triangulate(const RestrictedQuadtree& quadtree, int threads = 0, const std::stop_token& stop = {});
-/// The same, in the memory of a mesh that is no longer needed: writing to memory for the first time costs more than the
-/// triangulation itself.
+/// The same, in the memory of a mesh that is no longer needed. The first write to new memory takes longer than the
+/// triangulation.
 ///
-/// into     any mesh; it becomes the result. After a failure its content is not defined
+/// into   any mesh; becomes the result. After a failure nothing is known of it
 void triangulate(const RestrictedQuadtree& quadtree, Mesh& into, int threads = 0, const std::stop_token& stop = {});
 
 }  // namespace talus
