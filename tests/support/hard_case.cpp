@@ -15,6 +15,7 @@
 #include "engine/stream/stream_codec.hpp"
 #include "talus/ingest.hpp"
 #include "tests/support/float_exceptions.hpp"
+#include "tests/support/forced_kernel.hpp"
 #include "tests/support/quadtrees.hpp"
 
 namespace talus::support {
@@ -46,21 +47,6 @@ Terrain turned(const Terrain& terrain, const RasterOptions& file) {
   }
   return result;
 }
-
-/// TALUS_KERNEL as long as this lives; afterwards what it was.
-class ForcedKernel {
- public:
-  explicit ForcedKernel(const char* name) {
-    if (const char* before = std::getenv("TALUS_KERNEL")) before_ = before;
-    setenv("TALUS_KERNEL", name, 1);
-  }
-  ~ForcedKernel() { before_ ? setenv("TALUS_KERNEL", before_->c_str(), 1) : unsetenv("TALUS_KERNEL"); }
-  ForcedKernel(const ForcedKernel&) = delete;
-  ForcedKernel& operator=(const ForcedKernel&) = delete;
-
- private:
-  std::optional<std::string> before_;
-};
 
 std::vector<std::string> kernels_of_this_cpu() {
   std::vector<std::string> names;
@@ -334,7 +320,7 @@ void HardDatabase::check_kernels_and_threads(double tolerance) const {
   };
   for (const std::string& kernel : kernels_of_this_cpu()) {
     SCOPED_TRACE(std::string("kernel ") + kernel);
-    const ForcedKernel forced(kernel.c_str());
+    const ForcedKernel forced(kernel);
     expect_same(2);
   }
   SCOPED_TRACE("one thread");
