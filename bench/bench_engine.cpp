@@ -1,10 +1,16 @@
 // How fast are the pure parts: errors, saturation, selection, triangulation, the page codec?
 
+#include <algorithm>
+#include <limits>
+#include <vector>
+
 #include <benchmark/benchmark.h>
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
 #include "engine/error/saturation.hpp"
+#include "engine/quadtree/rect.hpp"
+#include "engine/quadtree/triangulation_by_vertices.hpp"
 #include "engine/tile/tile.hpp"
 #include "talus/quadtree.hpp"
 
@@ -129,33 +135,53 @@ const Settled& settled() {
   return s;
 }
 
-RestrictedQuadtree selected(double tolerance) {
+/// The vertices above the tolerance that selects about this many per cent of all samples.
+RestrictedQuadtree selected(int percent) {
   const Settled& ground = settled();
+  std::vector<double> errors;
+  for_each_point(ground.extent, [&](GridPoint p) {
+    errors.push_back(spacing(p) >= kBlockSide ? std::numeric_limits<double>::infinity()
+                                              : error_of(ground.tile.errors[p]));
+  });
+  const auto left_out = static_cast<std::ptrdiff_t>(errors.size()) * (100 - percent) / 100;
+  std::vector<double> by_size = errors;
+  std::nth_element(by_size.begin(), by_size.begin() + left_out, by_size.end());
+  const double tolerance = by_size[static_cast<std::size_t>(left_out)];
   RestrictedQuadtree q;
   q.vertices = VertexMask(ground.extent);
-  for (std::int32_t row = ground.extent.first.row; row <= ground.extent.last.row; ++row) {
-    for (std::int32_t col = ground.extent.first.col; col <= ground.extent.last.col; ++col) {
-      const GridPoint p{col, row};
-      if (spacing(p) >= kBlockSide || error_of(ground.tile.errors[p]) > tolerance) q.vertices.insert(p);
-    }
-  }
+  std::size_t next = 0;
+  for_each_point(ground.extent, [&](GridPoint p) {
+    if (errors[next++] > tolerance) q.vertices.insert(p);
+  });
   q.vertices.seal();
   q.heights.resize(q.vertices.size());
   return q;
 }
 
+/// One thread, with the kernel that TALUS_KERNEL names: into the memory of the mesh before, into fresh memory, and the
+/// loop over vertices that small quadtrees are left to.
+enum class Way { reused, fresh, by_vertices };
+template <Way way>
 void BM_Triangulation(benchmark::State& state) {
-  const RestrictedQuadtree q = selected(static_cast<double>(state.range(0)));
-  std::size_t triangles = 0;
+  const RestrictedQuadtree q = selected(static_cast<int>(state.range(0)));
+  Mesh mesh;
   for (auto _ : state) {
-    const Mesh mesh = triangulate(q, 1);
-    triangles += mesh.triangles.size();
+    if constexpr (way == Way::fresh) mesh = triangulate(q, 1);
+    if constexpr (way == Way::reused) triangulate(q, mesh, 1);
+    if constexpr (way == Way::by_vertices) detail::triangulate_by_vertices(q, mesh, 1, {});
     benchmark::DoNotOptimize(mesh.triangles.data());
   }
-  state.counters["triangles/s"] = benchmark::Counter(static_cast<double>(triangles), benchmark::Counter::kIsRate);
-  state.counters["vertices"] = static_cast<double>(q.vertices.size());
+  state.counters["triangles/s"] =
+      benchmark::Counter(static_cast<double>(mesh.triangles.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["selected_%"] =
+      100.0 * static_cast<double>(q.vertices.size()) / static_cast<double>(settled().extent.samples());
 }
-BENCHMARK(BM_Triangulation)->ArgName("tolerance_m")->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+void shares(benchmark::internal::Benchmark* bench) {
+  bench->ArgName("percent")->Arg(2)->Arg(12)->Arg(45)->Arg(88)->Unit(benchmark::kMillisecond);
+}
+BENCHMARK(BM_Triangulation<Way::reused>)->Name("BM_Triangulation/reused")->Apply(shares);
+BENCHMARK(BM_Triangulation<Way::fresh>)->Name("BM_Triangulation/fresh")->Apply(shares);
+BENCHMARK(BM_Triangulation<Way::by_vertices>)->Name("BM_Triangulation/by_vertices")->Apply(shares);
 
 }  // namespace
 }  // namespace talus

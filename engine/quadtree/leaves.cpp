@@ -1,6 +1,7 @@
 #include "engine/quadtree/leaves.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
@@ -13,6 +14,27 @@ constexpr bool is_counter_clockwise(const Triangle& t) {
   const std::int64_t lc = t.left.col - t.apex.col, lr = t.left.row - t.apex.row;
   const std::int64_t rc = t.right.col - t.apex.col, rr = t.right.row - t.apex.row;
   return lr * rc - lc * rr > 0;
+}
+
+/// Removes the points that no triangle uses.
+void drop_unused(Mesh& mesh) {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(mesh.points.size(), kUnused);
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) number[v] = 0;
+  }
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] == kUnused) continue;
+    mesh.points[next] = mesh.points[i];
+    mesh.heights[next] = mesh.heights[i];
+    number[i] = next++;
+  }
+  mesh.points.resize(next);
+  mesh.heights.resize(next);
+  for (auto& t : mesh.triangles) {
+    for (std::uint32_t& v : t) v = number[v];
+  }
 }
 
 }  // namespace
@@ -82,6 +104,20 @@ std::vector<RowRange> parts_of(const VertexMask& mask, int count) {
     first = low + 1;
   }
   return parts;
+}
+
+void begin_mesh(const RestrictedQuadtree& quadtree, Mesh& mesh) {
+  mesh.region = answered(quadtree);
+  mesh.triangles.clear();
+  mesh.cuts.clear();
+  resize_unset(mesh.points, quadtree.vertices.size());
+  resize_unset(mesh.heights, quadtree.vertices.size());
+}
+
+void finish_mesh(const RestrictedQuadtree& quadtree, Mesh& mesh) {
+  // Without voids, every vertex of a region with an area is a corner of a triangle.
+  const bool reaches_out = !(mesh.region == quadtree.vertices.region());
+  if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) drop_unused(mesh);
 }
 
 int threads_for(std::size_t vertices, int threads) {

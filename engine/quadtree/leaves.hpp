@@ -48,14 +48,19 @@ struct RowRange {
 /// Parts of the rows with about equally many vertices: `count`, or fewer.
 [[nodiscard]] std::vector<RowRange> parts_of(const VertexMask& mask, int count);
 
-/// The number of threads that are worth starting.
-[[nodiscard]] int threads_for(std::size_t vertices, int threads);
-
 /// Gives an array a size. Its content is lost, and elements are unset.
 template <class T>
 void resize_unset(Array<T>& array, std::size_t size) {
   if (array.capacity() < size) array.clear();  // so that growing copies nothing
   array.resize(size);
 }
+
+/// Gives a mesh its region and the size of its points and heights. Its other content is lost.
+void begin_mesh(const RestrictedQuadtree& quadtree, Mesh& mesh);
+/// Removes the points that no triangle uses.
+void finish_mesh(const RestrictedQuadtree& quadtree, Mesh& mesh);
+
+/// The number of threads that are worth starting.
+[[nodiscard]] int threads_for(std::size_t vertices, int threads);
 
 }  // namespace talus::detail

@@ -125,11 +125,11 @@ Corners* emit_plain(Emitter& emitter, std::int32_t first, std::int32_t last) { r
 }  // namespace
 
 void triangulate_by_vertices(const RestrictedQuadtree& quadtree, Mesh& mesh, int threads, const std::stop_token& stop) {
-  constexpr std::int64_t kRowsAtOnce = 256;       // between two checks of the stop token
+  constexpr std::int64_t kRowsAtOnce = 256;  // between two checks of the stop token
   const std::size_t count = quadtree.vertices.size();
   threads = threads_for(count, threads);
-  resize_unset(mesh.points, count);
-  resize_unset(mesh.heights, count);
+  begin_mesh(quadtree, mesh);
+  if (count == 0) return;
   // A planar mesh has fewer than two triangles a vertex, a part of it at most four. The first part is written in place;
   // the others are copied when their positions are known.
   resize_unset(mesh.triangles, 2 * count + kMostAround);
@@ -160,6 +160,7 @@ void triangulate_by_vertices(const RestrictedQuadtree& quadtree, Mesh& mesh, int
     if (i > 0)
       std::copy_n(written[i].begin(), sizes[i], mesh.triangles.begin() + static_cast<std::ptrdiff_t>(starts[i]));
   });
+  finish_mesh(quadtree, mesh);
 }
 
 }  // namespace talus::detail

@@ -104,7 +104,8 @@ class RowsOfTriangles {
     constexpr std::int32_t kStep = 2 * kMostWordSpacing;
     if (row % kStep != 0) return;
     const GridRect& window = quadtree_.vertices.region();
-    for (std::int64_t col = (window.first.col + std::int64_t{kStep} - 1) & -kStep; col <= window.last.col; col += kStep) {
+    for (std::int64_t col = (window.first.col + std::int64_t{kStep} - 1) & -kStep; col <= window.last.col;
+         col += kStep) {
       const GridPoint p{static_cast<std::int32_t>(col), row};
       if (quadtree_.vertices.contains(p)) visit(p);
     }
@@ -128,14 +129,18 @@ class RowsOfTriangles {
 }  // namespace
 
 bool is_worth_words(const RestrictedQuadtree& quadtree) {
-  return answered(quadtree) == quadtree.vertices.region() && quadtree.vertices.size() > 0;
+  // Where the two ways take about equally long with AVX2 (docs/decisions/0011-triangulation-by-words.md).
+  constexpr std::size_t kFewestVertices = 8192, kMostSamplesAVertex = 64;
+  const GridRect& window = quadtree.vertices.region();
+  const std::size_t vertices = quadtree.vertices.size();
+  return vertices >= kFewestVertices && vertices >= static_cast<std::size_t>(window.samples()) / kMostSamplesAVertex &&
+         answered(quadtree) == window;
 }
 
 void triangulate_by_words(const RestrictedQuadtree& quadtree, Mesh& mesh, int threads, const std::stop_token& stop) {
   const std::size_t vertices = quadtree.vertices.size();
   threads = threads_for(vertices, threads);
-  resize_unset(mesh.points, vertices);
-  resize_unset(mesh.heights, vertices);
+  begin_mesh(quadtree, mesh);
   const std::vector<RowRange> parts = parts_of(quadtree.vertices, threads);
   // Where each part begins is known when the triangles of the others have been counted.
   std::vector<std::size_t> starts(parts.size() + 1, 0);
@@ -149,13 +154,15 @@ void triangulate_by_words(const RestrictedQuadtree& quadtree, Mesh& mesh, int th
   resize_unset(mesh.triangles, starts.back());
   for_each_task(threads, parts.size(), [&](int, std::size_t i) {
     Corners* const first = mesh.triangles.data();
-    const Corners* end = RowsOfTriangles(quadtree).write(parts[i], stop, mesh, first + starts[i], first + starts[i + 1]);
+    const Corners* end =
+        RowsOfTriangles(quadtree).write(parts[i], stop, mesh, first + starts[i], first + starts[i + 1]);
     if (parts.size() == 1) starts[1] = static_cast<std::size_t>(end - first);
     const std::size_t rank = quadtree.vertices.rank({quadtree.vertices.region().first.col, parts[i].first});
     std::copy_n(quadtree.heights.begin() + static_cast<std::ptrdiff_t>(rank), parts[i].vertices,
                 mesh.heights.begin() + static_cast<std::ptrdiff_t>(rank));
   });
   mesh.triangles.resize(starts.back());
+  finish_mesh(quadtree, mesh);
 }
 
 }  // namespace talus::detail

@@ -10,8 +10,8 @@ namespace talus::detail {
 /// Whether triangulate_by_words takes the quadtree, and is faster there than triangulate_by_vertices.
 [[nodiscard]] bool is_worth_words(const RestrictedQuadtree& quadtree);
 
-/// Fills `mesh` except its region, for any quadtree whose region is that of its vertices. Points that no triangle uses
-/// stay. The triangles are those of triangulate_by_vertices in another order. The order depends on the quadtree alone.
+/// triangulate() for any quadtree whose region is that of its vertices. The triangles are those of
+/// triangulate_by_vertices in another order, which depends on the quadtree alone.
 /// fails  as triangulate()
 void triangulate_by_words(const RestrictedQuadtree& quadtree, Mesh& mesh, int threads, const std::stop_token& stop);
 

@@ -12,6 +12,7 @@
 #include "engine/quadtree/border.hpp"
 #include "engine/quadtree/construction.hpp"
 #include "engine/quadtree/half_diamond.hpp"
+#include "engine/quadtree/triangulation_by_vertices.hpp"
 #include "query/bounded/bounded_heights.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/range_query.hpp"
@@ -160,7 +161,8 @@ class Splitter {
   /// Sweeps over all samples. A sample that is too far pulls the corners of its triangle towards it, by its weights,
   /// until it is within the limit. Ends when no sample is too far, or after the last sweep.
   void fit() {
-    const Mesh mesh = triangulate(quadtree(), 1);
+    Mesh mesh;
+    within_memory([&] { detail::triangulate_by_vertices(quadtree(), mesh, 1, {}); });  // the order decides
     RestrictedQuadtree& f = finest_.quadtree;
     std::vector<std::uint32_t> ranks(mesh.points.size());
     f.vertices.ranks(std::span(mesh.points.data(), mesh.points.size()), ranks);
