@@ -17,6 +17,7 @@
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/range_query.hpp"
 #include "query/selection/refusals.hpp"
+#include "talus/failure.hpp"
 
 namespace talus {
 

@@ -3,7 +3,6 @@
 #include "engine/tile/tile.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <string>
 
@@ -11,9 +10,11 @@
 
 #include "engine/error/kernel_choice.hpp"
 #include "engine/error/saturation.hpp"
+#include "engine/machine/instruction_set.hpp"
 #include "talus/failure.hpp"
 #include "tests/engine/fields.hpp"
 #include "tests/engine/terrains.hpp"
+#include "tests/support/forced_kernel.hpp"
 
 namespace talus::support {
 namespace {

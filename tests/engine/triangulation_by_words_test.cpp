@@ -121,8 +121,8 @@ bool expect_the_same(const RestrictedQuadtree& quadtree, int most_threads = 1) {
       if (!mesh || !plain) continue;
       EXPECT_TRUE(sorted(*mesh) == sorted(*plain));
       EXPECT_TRUE(mesh->points == plain->points && mesh->heights == plain->heights);
-      if (first) EXPECT_TRUE(mesh->triangles == first->triangles) << "the order is another one";
       if (!first) first = mesh;
+      EXPECT_TRUE(mesh->triangles == first->triangles) << "the order is another one";
     }
   }
   return !plain;
