@@ -121,13 +121,19 @@ void BM_ErrorsReference(benchmark::State& state) {
 }
 BENCHMARK(BM_ErrorsReference)->Unit(benchmark::kMillisecond);
 
-/// The tile's own samples and errors.
+/// A tile and its errors. The heights are no whole numbers, so that there is a tolerance for every share of the samples.
 struct Settled {
   GridRect extent{{kTileSide, kTileSide}, {2 * kTileSide - 1, 2 * kTileSide - 1}};
-  TileErrors tile = tile_errors(whole_metres().input());
-  [[nodiscard]] double height(GridPoint p) const {
-    return code_at(view(tile.heights), static_cast<std::size_t>((p.row - kTileSide + kHalo) * kWindow) +
-                                           static_cast<std::size_t>(p.col - kTileSide + kHalo));
+  TileErrors tile = tile_errors(uneven().input());
+
+  static Ground uneven() {
+    std::vector<float> heights;
+    std::uint32_t state = 1;
+    for (const double h : bench::mountains(kWindow)) {
+      state = state * 1664525 + 1013904223;
+      heights.push_back(static_cast<float>(h) + static_cast<float>(state >> 24) / 256);
+    }
+    return Ground(std::move(heights));
   }
 };
 const Settled& settled() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "engine/machine/instruction_set.hpp"
@@ -62,13 +63,13 @@ class RowsOfTriangles {
     return sum;
   }
 
-  /// Writes them and their points; returns their end.
+  /// Writes them, and the points and heights of the rows; returns their end.
   ///
   /// fails  corrupt: a corner is missing, or the triangles do not fit
   Corners* write(const RowRange& part, const std::stop_token& stop, Mesh& mesh, Corners* out, const Corners* room_end) {
     bool closed = true;
     auto* const numbers = reinterpret_cast<std::uint32_t*>(mesh.points.data());
-    const std::size_t points_end = rank_of_row(part.last + std::int64_t{1});
+    const std::size_t points_begin = rank_of_row(part.first), points_end = rank_of_row(part.last + std::int64_t{1});
     for_each_row(part, stop, [&](std::int32_t row) {
       const std::size_t first = rank_of_row(row);
       const std::size_t most = kMostAround * (rank_of_row(row + std::int64_t{1}) - first);
@@ -87,6 +88,9 @@ class RowsOfTriangles {
       kernel_.points(rows_, row, numbers + 2 * first, numbers + 2 * points_end);
     });
     if (!closed || !around_.closed()) refuse_not_closed();
+    const auto heights = quadtree_.heights.begin();
+    std::copy(heights + static_cast<std::ptrdiff_t>(points_begin), heights + static_cast<std::ptrdiff_t>(points_end),
+              mesh.heights.begin() + static_cast<std::ptrdiff_t>(points_begin));
     return out;
   }
 
@@ -139,29 +143,33 @@ bool is_worth_words(const RestrictedQuadtree& quadtree) {
 
 void triangulate_by_words(const RestrictedQuadtree& quadtree, Mesh& mesh, int threads, const std::stop_token& stop) {
   const std::size_t vertices = quadtree.vertices.size();
-  threads = threads_for(vertices, threads);
+  const int most = threads_for(vertices, threads);
   begin_mesh(quadtree, mesh);
-  const std::vector<RowRange> parts = parts_of(quadtree.vertices, threads);
-  // Where each part begins is known when the triangles of the others have been counted.
-  std::vector<std::size_t> starts(parts.size() + 1, 0);
-  if (parts.size() == 1) {
-    starts[1] = 2 * vertices;  // a planar mesh has fewer than two triangles a vertex
-  } else {
-    for_each_task(threads, parts.size(),
-                  [&](int, std::size_t i) { starts[i + 1] = RowsOfTriangles(quadtree).count(parts[i], stop); });
-    for (std::size_t i = 0; i < parts.size(); ++i) starts[i + 1] += starts[i];
+  // Each thread writes some pieces. Where it begins is known when all triangles before have been counted; the pieces
+  // are so many that all threads can count.
+  const std::vector<RowRange> pieces = parts_of(quadtree.vertices, most * most);
+  const std::size_t parts = std::min(pieces.size(), static_cast<std::size_t>(most));
+  const auto first_piece = [&](std::size_t part) { return part * pieces.size() / parts; };
+  std::vector<std::size_t> counts(first_piece(parts - 1));
+  for_each_task(most, counts.size(),
+                [&](int, std::size_t i) { counts[i] = RowsOfTriangles(quadtree).count(pieces[i], stop); });
+  std::vector<std::size_t> starts(parts + 1, 0);
+  for (std::size_t part = 1; part < parts; ++part) {
+    starts[part] = std::accumulate(counts.begin() + static_cast<std::ptrdiff_t>(first_piece(part - 1)),
+                                   counts.begin() + static_cast<std::ptrdiff_t>(first_piece(part)), starts[part - 1]);
   }
-  resize_unset(mesh.triangles, starts.back());
-  for_each_task(threads, parts.size(), [&](int, std::size_t i) {
+  starts[parts] = 2 * vertices;  // a planar mesh has fewer than two triangles a vertex
+  if (starts[parts - 1] > starts[parts]) refuse_not_closed();
+  resize_unset(mesh.triangles, starts[parts]);
+  std::size_t triangles = 0;
+  for_each_task(most, parts, [&](int, std::size_t part) {
+    const RowRange rows{pieces[first_piece(part)].first, pieces[first_piece(part + 1) - 1].last, 0};
     Corners* const first = mesh.triangles.data();
-    const Corners* end =
-        RowsOfTriangles(quadtree).write(parts[i], stop, mesh, first + starts[i], first + starts[i + 1]);
-    if (parts.size() == 1) starts[1] = static_cast<std::size_t>(end - first);
-    const std::size_t rank = quadtree.vertices.rank({quadtree.vertices.region().first.col, parts[i].first});
-    std::copy_n(quadtree.heights.begin() + static_cast<std::ptrdiff_t>(rank), parts[i].vertices,
-                mesh.heights.begin() + static_cast<std::ptrdiff_t>(rank));
+    const Corners* const end =
+        RowsOfTriangles(quadtree).write(rows, stop, mesh, first + starts[part], first + starts[part + 1]);
+    if (part + 1 == parts) triangles = static_cast<std::size_t>(end - first);
   });
-  mesh.triangles.resize(starts.back());
+  mesh.triangles.resize(triangles);
   finish_mesh(quadtree, mesh);
 }
 
