@@ -52,4 +52,12 @@ InstructionSet instruction_set() {
   refuse("TALUS_KERNEL is {}: choose one that this machine has: {}", wanted, names);
 }
 
+bool has_slow_pext() {
+#if defined(__x86_64__)
+  return __builtin_cpu_is("znver1") || __builtin_cpu_is("znver2") || __builtin_cpu_is("bdver4");
+#else
+  return false;
+#endif
+}
+
 }  // namespace talus

@@ -24,4 +24,7 @@ enum class InstructionSet {
 /// fails  invalid_argument: TALUS_KERNEL names none, or one that this processor or build lacks
 [[nodiscard]] InstructionSet instruction_set();
 
+/// Whether pext and pdep of BMI2 take hundreds of cycles: AMD before Zen 3.
+[[nodiscard]] bool has_slow_pext();
+
 }  // namespace talus

@@ -1,7 +1,7 @@
 #include "engine/quadtree/leaves.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <vector>
 
 #include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
@@ -18,14 +18,15 @@ constexpr bool is_counter_clockwise(const Triangle& t) {
 
 /// Removes the points that no triangle uses.
 void drop_unused(Mesh& mesh) {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> number(mesh.points.size(), kUnused);
+  std::vector<std::uint8_t> used(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles) {
-    for (const std::uint32_t v : t) number[v] = 0;
+    for (const std::uint32_t v : t) used[v] = 1;
   }
+  if (std::find(used.begin(), used.end(), 0) == used.end()) return;
+  Array<std::uint32_t> number(used.size());  // unset
   std::uint32_t next = 0;
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] == kUnused) continue;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i] == 0) continue;
     mesh.points[next] = mesh.points[i];
     mesh.heights[next] = mesh.heights[i];
     number[i] = next++;

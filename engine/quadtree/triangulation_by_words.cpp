@@ -26,7 +26,7 @@ const TriangleKernel& triangle_kernel() {
   switch (instruction_set()) {
 #if defined(__x86_64__)
     case InstructionSet::avx512: return avx512_triangle_kernel;
-    case InstructionSet::avx2: return avx2_triangle_kernel;
+    case InstructionSet::avx2: return has_slow_pext() ? portable_triangle_kernel : avx2_triangle_kernel;
 #endif
     default: return portable_triangle_kernel;
   }
