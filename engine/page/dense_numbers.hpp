@@ -1,0 +1,56 @@
+#pragma once
+// The numbers of a page's square as bytes: grouped Rice codes. docs/format/v3.md, section 6, has the bits.
+//
+// Sixteen numbers that follow each other in a row are a group. How uneven the ground around a group is gives its class,
+// which reader and writer both know; the page says for each class how many low bits a number has. The rest of a number
+// is unary. All unary parts of a page are one stream of bits, all low bits another, so a reader finds the ends of all
+// unary parts before it knows any number.
+//
+// source  Rice codes: R. F. Rice, JPL 79-22, 1979; grouping and two streams: ours (docs/decisions/0013-format-3.md)
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/page/dense_kernel.hpp"
+
+namespace talus {
+
+/// A bit for each sample of a page's square, by row: bit c mod 64 of word c / 64.
+using SquareBits = std::array<std::uint64_t[2], detail::kDenseSide>;
+
+/// Writes and reads the numbers of squares, reusing its memory. T: std::uint16_t, std::uint32_t or std::uint64_t;
+/// arithmetic wraps around, and only differences count.
+template <class T>
+class DenseNumbers {
+ public:
+  DenseNumbers();
+  /// With other functions than the fastest of this processor; for tests.
+  explicit DenseNumbers(const detail::DenseFunctions<T>& functions);
+  ~DenseNumbers();
+  DenseNumbers(DenseNumbers&&) noexcept;
+  DenseNumbers& operator=(DenseNumbers&&) noexcept;
+
+  /// Appends the numbers at all places but those where column and row are multiples of 8: the reader knows these. A
+  /// number that is not stored becomes what the reader will have.
+  ///
+  /// stored  which numbers are stored; null: all
+  /// cost    about 4 ns a number
+  void put(std::span<T> square, const SquareBits* stored, std::vector<std::byte>& out);
+
+  /// Reads all that put() appended.
+  ///
+  /// square   has the numbers at multiples of 8
+  /// returns  false: no such bytes; the square has no meaning
+  /// cost     about 0.6 ns a number of 16 bits with AVX-512, 0.8 with AVX2, 2.5 without
+  [[nodiscard]] bool get(std::span<const std::byte> bytes, const SquareBits* stored, std::span<T> square);
+
+ private:
+  struct Memory;
+  std::unique_ptr<Memory> memory_;
+};
+
+}  // namespace talus
