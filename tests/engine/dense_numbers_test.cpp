@@ -1,6 +1,6 @@
 // Numbers of dense pages: what is stored comes back, all kernels write and read the same, and refuse the same bytes.
 
-#include "engine/page/dense_numbers.hpp"
+#include "engine/dense/dense_numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/page/dense_kernel_choice.hpp"
-#include "engine/page/dense_plain.hpp"
+#include "engine/dense/kernels.hpp"
+#include "engine/dense/dense_plain.hpp"
 #include "tests/support/random.hpp"
 
 namespace talus::support {

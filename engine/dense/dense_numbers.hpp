@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/page/dense_kernel.hpp"
+#include "engine/dense/dense_kernel.hpp"
 
 namespace talus {
 

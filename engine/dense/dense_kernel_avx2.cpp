@@ -1,5 +1,5 @@
 #if defined(__x86_64__)
 #define TALUS_VECTOR 32
 #define TALUS_KERNEL_NAME avx2_dense_kernel
-#include "engine/page/dense_kernel.inc"
+#include "engine/dense/dense_kernel.inc"
 #endif

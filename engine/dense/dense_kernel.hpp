@@ -1,7 +1,7 @@
 #pragma once
 // The numbers of a dense page, between bytes and memory: compiled once for each kind of processor.
 //
-// Its sources include only this header and engine/page/dense_kernel.inc. An inline function of another header would be
+// Its sources include only this header and engine/dense/dense_kernel.inc. An inline function of another header would be
 // compiled with their instructions too, and the linker might use that version everywhere.
 
 #include <cstddef>

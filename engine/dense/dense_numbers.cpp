@@ -1,11 +1,11 @@
-#include "engine/page/dense_numbers.hpp"
+#include "engine/dense/dense_numbers.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
 #include "engine/machine/cpu.hpp"
-#include "engine/page/dense_kernel_choice.hpp"
+#include "engine/dense/kernels.hpp"
 
 namespace talus {
 namespace {

@@ -1,17 +1,19 @@
-#include "engine/page/dense_kernel_choice.hpp"
+#include "engine/dense/kernels.hpp"
 
-#include "engine/page/dense_plain.hpp"
+#include "engine/dense/dense_plain.hpp"
 
 namespace talus::detail {
 
 extern const DenseKernel portable_dense_kernel;
+extern const EighthsKernel portable_eighths_kernel;
 #if defined(__x86_64__)
 extern const DenseKernel avx2_dense_kernel, avx512_dense_kernel;
+extern const EighthsKernel avx2_eighths_kernel, avx512_eighths_kernel;
 #endif
 
 namespace {
 
-const DenseKernel& kernel_of(InstructionSet set) {
+const DenseKernel& dense_kernel(InstructionSet set) {
   switch (set) {
 #if defined(__x86_64__)
     case InstructionSet::avx512: return avx512_dense_kernel;
@@ -23,13 +25,23 @@ const DenseKernel& kernel_of(InstructionSet set) {
 
 }  // namespace
 
+const EighthsKernel& eighths_kernel(InstructionSet set) {
+  switch (set) {
+#if defined(__x86_64__)
+    case InstructionSet::avx512: return avx512_eighths_kernel;
+    case InstructionSet::avx2: return avx2_eighths_kernel;
+#endif
+    default: return portable_eighths_kernel;
+  }
+}
+
 template <>
 DenseFunctions<std::uint16_t> dense_functions(InstructionSet set) {
-  return kernel_of(set).narrow;
+  return dense_kernel(set).narrow;
 }
 template <>
 DenseFunctions<std::uint32_t> dense_functions(InstructionSet set) {
-  return kernel_of(set).wide;
+  return dense_kernel(set).wide;
 }
 template <>
 DenseFunctions<std::uint64_t> dense_functions(InstructionSet) {

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "engine/page/dense_kernel.hpp"
+#include "engine/dense/dense_kernel.hpp"
 
 namespace talus::detail {
 

@@ -1,3 +1,3 @@
 #define TALUS_VECTOR 16
 #define TALUS_KERNEL_NAME portable_dense_kernel
-#include "engine/page/dense_kernel.inc"
+#include "engine/dense/dense_kernel.inc"

@@ -1,0 +1,5 @@
+#if defined(__x86_64__)
+#define TALUS_VECTOR 64
+#define TALUS_KERNEL_NAME avx512_eighths_kernel
+#include "engine/dense/eighths_kernel.inc"
+#endif
