@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstring>
 
-#include "engine/machine/cpu.hpp"
 #include "engine/dense/kernels.hpp"
+#include "engine/machine/cpu.hpp"
 
 namespace talus {
 namespace {

@@ -8,7 +8,6 @@
 //
 // source  Rice codes: R. F. Rice, JPL 79-22, 1979; grouping and two streams: ours (docs/decisions/0013-format-3.md)
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,11 +15,9 @@
 #include <vector>
 
 #include "engine/dense/dense_kernel.hpp"
+#include "engine/dense/square_bits.hpp"
 
 namespace talus {
-
-/// A bit for each sample of a page's square, by row: bit c mod 64 of word c / 64.
-using SquareBits = std::array<std::uint64_t[2], detail::kDenseSide>;
 
 /// Writes and reads the numbers of squares, reusing its memory. T: std::uint16_t, std::uint32_t or std::uint64_t;
 /// arithmetic wraps around, and only differences count.

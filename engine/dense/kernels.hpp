@@ -1,9 +1,9 @@
 #pragma once
 // The kernels of pages, by set of instructions.
 
-#include "engine/machine/instruction_set.hpp"
 #include "engine/dense/dense_kernel.hpp"
 #include "engine/dense/eighths_kernel.hpp"
+#include "engine/machine/instruction_set.hpp"
 
 namespace talus::detail {
 
