@@ -1,0 +1,174 @@
+// How fast are the kernels of dense pages: numbers from bytes, errors from heights, and the bits above a threshold? On one
+// core, whole metres, with the kernel that TALUS_KERNEL names. Each rate is samples of whole pages.
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "bench/terrain.hpp"
+#include "bench/yardstick.hpp"
+#include "engine/dense/dense_numbers.hpp"
+#include "engine/dense/kernels.hpp"
+#include "engine/dense/stored_eighths.hpp"
+
+namespace talus {
+namespace {
+
+using detail::SortedSquare;
+
+constexpr int kSide = detail::kDenseSide, kAcross = 8;  // pages along a side of the ground
+constexpr std::size_t kSquare = std::size_t{kSide} * kSide;
+
+/// Pages of one ground, and what the reader of each knows before.
+struct Pages {
+  std::vector<std::vector<std::uint16_t>> squares, known;
+  std::vector<std::vector<std::byte>> numbers, errors;
+  std::unique_ptr<StoredEighths> border;
+
+  Pages() {
+    const std::vector<double> ground = bench::mountains(kAcross * kSide);
+    SquareBits data{}, present{}, stored{};
+    for (int row = 0; row < kSide; ++row) {
+      for (int col = 0; col < kSide; ++col) insert(data, col, row);
+    }
+    const SquareBits implied = implied_places(data);
+    for_each_bit(data, [&](int col, int row) {
+      if (((col | row) & 7) == 0) return;
+      insert(present, col, row);
+      if (!has(implied, col, row)) insert(stored, col, row);
+    });
+    border = std::make_unique<StoredEighths>(stored, present, data);
+    DenseNumbers<std::uint16_t> writer;
+    const auto memory = std::make_unique<detail::EighthsMemory>();
+    for (int y = 0; y < kAcross; ++y) {
+      for (int x = 0; x < kAcross; ++x) add(ground, x, y, writer, *memory);
+    }
+  }
+
+ private:
+  void add(const std::vector<double>& ground, int x, int y, DenseNumbers<std::uint16_t>& writer,
+           detail::EighthsMemory& memory) {
+    std::vector<std::uint16_t> square(kSquare), coarse(kSquare, 0);
+    for (int row = 0; row < kSide; ++row) {
+      for (int col = 0; col < kSide; ++col) {
+        const auto at = static_cast<std::size_t>((y * kSide + row) * kAcross * kSide + x * kSide + col);
+        const auto i = static_cast<std::size_t>(row * kSide + col);
+        square[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(ground[at]));
+        if (((col | row) & 7) == 0) coarse[i] = square[i];
+      }
+    }
+    std::vector<std::byte> bytes;
+    writer.put(square, nullptr, bytes);
+    const auto errors_of = std::make_unique<SortedSquare>();
+    const auto* heights = reinterpret_cast<const std::int16_t*>(square.data());
+    detail::eighths_kernel(instruction_set()).compute(heights, *errors_of, memory);
+    std::vector<std::byte> stored;  // the least possible errors
+    for (int i = 0; i < kSide; ++i) {
+      for (const int at : {SortedSquare::index_of(0, i), SortedSquare::index_of(kSide - 1, i),
+                           SortedSquare::index_of(i, 0), SortedSquare::index_of(i, kSide - 1)})
+        errors_of->numbers[at] = 0;
+    }
+    border->put({heights, kSquare}, *errors_of, stored);
+    squares.push_back(std::move(square));
+    known.push_back(std::move(coarse));
+    numbers.push_back(std::move(bytes));
+    errors.push_back(std::move(stored));
+  }
+};
+const Pages& pages() {
+  static const Pages p;
+  return p;
+}
+
+/// What a page is read into.
+struct Room {
+  std::vector<std::uint16_t> square = std::vector<std::uint16_t>(kSquare);
+  SortedSquare errors{};
+  detail::EighthsMemory memory{};
+  std::uint64_t rows[kSide][2] = {};
+
+  void know(std::size_t page) {
+    for (std::size_t row = 0; row < kSide; row += 8) {
+      for (std::size_t col = 0; col < kSide; col += 8)
+        square[row * kSide + col] = pages().known[page][row * kSide + col];
+    }
+  }
+  [[nodiscard]] const std::int16_t* heights() const { return reinterpret_cast<const std::int16_t*>(square.data()); }
+};
+
+/// Calls step(room, page) for one page after the other.
+template <class Step>
+void over_pages(benchmark::State& state, Step&& step) {
+  const auto room = std::make_unique<Room>();
+  std::size_t page = 0;
+  for (auto _ : state) {
+    step(*room, page);
+    benchmark::ClobberMemory();
+    page = (page + 1) % pages().squares.size();
+  }
+  state.counters["samples/s"] =
+      benchmark::Counter(static_cast<double>(kSquare), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void BM_ReadNumbers(benchmark::State& state) {
+  DenseNumbers<std::uint16_t> reader;
+  over_pages(state, [&](Room& room, std::size_t page) {
+    room.know(page);
+    if (!reader.get(pages().numbers[page], nullptr, room.square)) state.SkipWithError("the numbers are damaged");
+  });
+}
+BENCHMARK(BM_ReadNumbers);
+
+void BM_WriteNumbers(benchmark::State& state) {
+  DenseNumbers<std::uint16_t> writer;
+  std::vector<std::byte> bytes;
+  double written = 0, numbers = 0;
+  over_pages(state, [&](Room&, std::size_t page) {
+    std::vector<std::uint16_t> square = pages().squares[page];
+    bytes.clear();
+    writer.put(square, nullptr, bytes);
+    written += static_cast<double>(bytes.size());
+    numbers += detail::kDenseNumbers;
+  });
+  state.counters["bits/number"] = 8 * written / numbers;
+}
+BENCHMARK(BM_WriteNumbers);
+
+void BM_ErrorsOfHeights(benchmark::State& state) {
+  const detail::EighthsKernel& kernel = detail::eighths_kernel(instruction_set());
+  over_pages(state, [&](Room& room, std::size_t page) {
+    kernel.compute(reinterpret_cast<const std::int16_t*>(pages().squares[page].data()), room.errors, room.memory);
+  });
+}
+BENCHMARK(BM_ErrorsOfHeights);
+
+void BM_Select(benchmark::State& state) {
+  const detail::EighthsKernel& kernel = detail::eighths_kernel(instruction_set());
+  over_pages(state, [&](Room& room, std::size_t page) {
+    if (page == 0)
+      kernel.compute(reinterpret_cast<const std::int16_t*>(pages().squares[0].data()), room.errors, room.memory);
+    benchmark::DoNotOptimize(kernel.select(room.errors, 40, {}, room.rows));
+  });
+}
+BENCHMARK(BM_Select);
+
+/// From bytes to the bits of all vertices above 5 m.
+void BM_BytesToBits(benchmark::State& state) {
+  const detail::EighthsKernel& kernel = detail::eighths_kernel(instruction_set());
+  DenseNumbers<std::uint16_t> reader;
+  over_pages(state, [&](Room& room, std::size_t page) {
+    room.know(page);
+    bool whole = reader.get(pages().numbers[page], nullptr, room.square);
+    kernel.compute(room.heights(), room.errors, room.memory);
+    whole = pages().border->get(pages().errors[page], {room.heights(), kSquare}, room.errors) > 0 && whole;
+    if (!whole) state.SkipWithError("the page is damaged");
+    benchmark::DoNotOptimize(kernel.select(room.errors, 40, {}, room.rows));
+  });
+}
+BENCHMARK(BM_BytesToBits);
+
+}  // namespace
+}  // namespace talus
