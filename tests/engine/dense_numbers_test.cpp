@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/dense/kernels.hpp"
 #include "engine/dense/dense_plain.hpp"
+#include "engine/dense/kernels.hpp"
 #include "tests/support/random.hpp"
 
 namespace talus::support {
@@ -62,7 +62,8 @@ Square<T> some_ground(Ground ground, Random& random) {
     if (rough > 0) height += random.within(-rough, rough);
     if (large > 0) height = random.within(-large, large);
     square[i] = static_cast<T>(static_cast<std::int64_t>(std::floor(height)));
-    if (ground == Ground::all_values || (ground == Ground::spikes && random.chance(0.001))) square[i] = static_cast<T>(random.next());
+    if (ground == Ground::all_values || (ground == Ground::spikes && random.chance(0.001)))
+      square[i] = static_cast<T>(random.next());
   }
   return square;
 }

@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/page/page_errors.hpp"
 #include "engine/dense/kernels.hpp"
+#include "engine/page/page_errors.hpp"
 #include "tests/support/random.hpp"
 
 namespace talus::support {
