@@ -128,6 +128,17 @@ class Walk {
   void limit(std::uint64_t pages) { limit_ = pages; }
   [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
 
+  /// After trees() without a limit.
+  [[nodiscard]] std::vector<FileRange> unused() const {
+    std::vector<FileRange> ranges = gaps_;
+    const auto add = [&](std::uint64_t page) { ranges.push_back({page * page_bytes_, page_bytes_}); };
+    for (const std::uint64_t page : free_) add(page);
+    for (std::uint64_t page = 2; page < pages_; ++page) {
+      if (!used_[page]) add(page);
+    }
+    return ranges;
+  }
+
  private:
   std::nullopt_t fail(const std::string& what) {
     if (findings_.size() < 20) findings_.push_back(what);
@@ -169,6 +180,7 @@ class Walk {
       fail(fmt::format("LMDB page {}: its fill is impossible", number));
       return;
     }
+    gaps_.push_back({number * page_bytes_ + lower, std::uint64_t{upper} - lower});
     for (std::size_t slot = kPageHeader; slot < lower; slot += 2) {
       const std::size_t at = load<std::uint16_t>(&page[slot]);
       if (at < upper || at + kNodeHeader > page_bytes_ || (at & 1) != 0) {
@@ -277,9 +289,20 @@ class Walk {
   std::uint64_t visited_ = 0;  // branch and leaf pages
   std::vector<bool> used_;     // pages of the file
   std::vector<std::uint64_t> free_;
-  bool lists_free_ = false;  // whether the present tree lists free pages
+  std::vector<FileRange> gaps_;  ///< between the slots and the nodes of branch and leaf pages
+  bool lists_free_ = false;      // whether the present tree lists free pages
   std::vector<std::string> findings_;
 };
+
+}  // namespace
+
+namespace {
+
+void refuse_findings(const Walk& walk, const std::filesystem::path& file) {
+  if (walk.findings().empty()) return;
+  throw Failure(Cause::corrupt, fmt::format("corrupt: {}: it is not a database, or it is damaged: {}", file.string(),
+                                            walk.findings().front()));
+}
 
 }  // namespace
 
@@ -289,10 +312,14 @@ void refuse_unsound(const std::filesystem::path& file) {
     walk.limit(kSmallTrees);
     walk.trees(*meta);
   }
-  if (!walk.findings().empty()) {
-    throw Failure(Cause::corrupt, fmt::format("corrupt: {}: it is not a database, or it is damaged: {}", file.string(),
-                                              walk.findings().front()));
-  }
+  refuse_findings(walk, file);
+}
+
+std::vector<FileRange> unused_ranges(const std::filesystem::path& file) {
+  Walk walk(file);
+  if (const auto meta = walk.headers()) walk.trees(*meta);
+  refuse_findings(walk, file);
+  return walk.unused();
 }
 
 std::vector<std::string> check_structure(const std::filesystem::path& file) {

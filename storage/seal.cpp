@@ -2,6 +2,7 @@
 
 #include "storage/seal.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -13,6 +14,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "storage/lmdb_check.hpp"
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
 
@@ -46,12 +48,14 @@ class File {
     if (got < 0) fail();
     return static_cast<std::size_t>(got);
   }
+  void write(const void* from, std::size_t bytes, std::uint64_t at) const {
+    const ssize_t put = ::pwrite(handle_, from, bytes, static_cast<off_t>(at));
+    if (put == static_cast<ssize_t>(bytes)) return;
+    if (put >= 0) errno = ENOSPC;
+    fail();
+  }
   void append(const Seal& seal, std::uint64_t at) const {
-    const ssize_t put = ::pwrite(handle_, seal.data(), seal.size(), static_cast<off_t>(at));
-    if (put != static_cast<ssize_t>(seal.size())) {
-      if (put >= 0) errno = ENOSPC;
-      fail();
-    }
+    write(seal.data(), seal.size(), at);
     if (::fsync(handle_) != 0) fail();
   }
   void cut(std::uint64_t bytes) const {
@@ -111,6 +115,12 @@ std::optional<Seal> seal_of(const File& file) {
 
 void put_seal(const std::filesystem::path& path) {
   const File file(path, O_RDWR);
+  // Plans and pages that were replaced would stay in the file: paths and times of one machine.
+  std::vector<std::byte> zeros;
+  for (const auto& [first, bytes] : unused_ranges(path)) {
+    zeros.resize(std::max<std::size_t>(zeros.size(), bytes));
+    file.write(zeros.data(), bytes, first);
+  }
   const std::uint64_t bytes = file.size();
   file.append(seal_over(file, bytes), bytes);
 }

@@ -9,7 +9,7 @@ namespace talus {
 
 inline constexpr std::size_t kSealBytes = 32;
 
-/// Appends the seal. Nobody else may have the file open.
+/// Overwrites with zeros what no table uses, and appends the seal. Nobody else may have the file open.
 void put_seal(const std::filesystem::path& file);
 /// Removes the seal, if any, so that the file can be written again.
 void break_seal(const std::filesystem::path& file);

@@ -1,5 +1,9 @@
 // The program as it is meant to be used, and its output held against the source it was made of.
 
+#include <chrono>
+#include <filesystem>
+#include <string>
+
 #include "talus/talus.hpp"
 #include "tests/cli/command.hpp"
 #include "tests/support/mesh_file.hpp"
@@ -36,6 +40,14 @@ TEST_F(Commands, IngestOverwritesWhenAsked) {
 }
 
 TEST_F(Commands, IngestTwiceGivesTheSameBytes) {
+  ASSERT_EQ(talus({"ingest", "a.tif", "b.talus"}).exit_code, done);
+  EXPECT_TRUE(bytes_of(folder / "a.talus") == bytes_of(folder / "b.talus"));
+}
+
+TEST_F(Commands, ADatabaseTellsNothingOfTheMachineThatMadeIt) {
+  EXPECT_EQ(bytes_of(folder / "a.talus").find(folder.path().string()), std::string::npos);
+  std::filesystem::last_write_time(folder / "a.tif",
+                                   std::filesystem::last_write_time(folder / "a.tif") - std::chrono::hours(30));
   ASSERT_EQ(talus({"ingest", "a.tif", "b.talus"}).exit_code, done);
   EXPECT_TRUE(bytes_of(folder / "a.talus") == bytes_of(folder / "b.talus"));
 }

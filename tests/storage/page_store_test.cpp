@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -503,6 +504,34 @@ TEST(PageWriter, WhatWasCommittedIsThereWhenItIsOpenedAgain) {
   const ReadTxn view = writer.view();
   EXPECT_EQ(copy(*view.find({0, 1})), page);
   EXPECT_FALSE(view.find({0, 70}).has_value());
+}
+
+TEST(PageWriter, LeavesNothingInTheFileOfWhatItReplaced) {
+  for (const std::size_t size : {60u, 1500u, 9000u}) {
+    SCOPED_TRACE(size);
+    Random random(size);
+    const TempFolder folder;
+    const Bytes replaced = random_bytes(random, size), other(700, std::byte{5});
+    {
+      PageWriter writer(folder / "a.talus");
+      for (std::uint64_t i = 0; i < 40; ++i) writer.put({3, i}, other);
+      writer.put({kHeaderTable, 1}, replaced);
+      writer.commit(true);
+      for (std::uint64_t i = 0; i < 40; i += 2) writer.put({3, i}, {});
+      writer.put({kHeaderTable, 1}, {});
+      writer.finish();
+    }
+    std::ifstream in(folder / "a.talus", std::ios::binary);
+    const std::string file((std::istreambuf_iterator<char>(in)), {});
+    for (std::size_t at = 0; at + 16 <= size; at += 16) {
+      const std::string part(reinterpret_cast<const char*>(&replaced[at]), 16);
+      ASSERT_EQ(file.find(part), std::string::npos) << "byte " << at << " of it";
+    }
+    EXPECT_TRUE(check_structure(folder / "a.talus").empty());
+    const PageStore store = PageStore::open(folder / "a.talus");
+    EXPECT_EQ(copy(*ReadTxn(store).find({3, 1})), other);
+    EXPECT_EQ(copy(*ReadTxn(store).find({kHeaderTable, 1})), Bytes{});
+  }
 }
 
 TEST(PageWriter, AViewShowsWhatWasPut) {
