@@ -33,6 +33,12 @@ class Doors : public Command {
     run.at_most = at_most;
     return run_program({"/bin/sh", "-c", "talus='" TALUS_PROGRAM "'; " + line}, run);
   }
+  /// The same with so many kilobytes of addresses. Sanitizers need more than any limit for their shadows.
+  Outcome shell_within(int kilobytes, const std::string& line,
+                       std::chrono::seconds at_most = std::chrono::seconds(60)) const {
+    const std::string limit = kSanitizerFactor > 1 ? "" : "ulimit -v " + std::to_string(kilobytes) + "; ";
+    return shell(limit + line, at_most);
+  }
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& [name, bytes] : contents()) all.push_back(name);
@@ -212,7 +218,7 @@ TEST_F(Doors, DevicesAndPipesAreRefusedWhereverAFileIsRead) {
   std::filesystem::create_symlink("/dev/zero", folder / "zero.rqt");
   const auto refused = [&](const std::string& command, const std::string& named) {
     const auto start = std::chrono::steady_clock::now();
-    const Outcome outcome = shell("ulimit -v 4000000; $talus " + command, std::chrono::seconds(20));
+    const Outcome outcome = shell_within(4000000, "$talus " + command, std::chrono::seconds(20));
     EXPECT_EQ(outcome.signal, 0) << command;
     EXPECT_THAT((std::vector<int>{failed, usage, damaged}), ::testing::Contains(outcome.exit_code))
         << command << outcome.err;
@@ -260,12 +266,12 @@ TEST_F(Doors, LinesThatAreTooLongAreNamed) {
   std::ofstream(folder / "zeros.txt") << "";
   std::filesystem::resize_file(folder / "zeros.txt", std::uintmax_t{1} << 40);
   for (const char* command : {"query a.talus --tolerance 5 --points zeros.txt", "ingest @zeros.txt b.talus"}) {
-    const Outcome outcome = shell(std::string("ulimit -v 4000000; $talus ") + command, std::chrono::seconds(20));
+    const Outcome outcome = shell_within(4000000, std::string("$talus ") + command, std::chrono::seconds(20));
     EXPECT_EQ(outcome.exit_code, usage) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("zeros.txt, line 1"));
   }
   std::filesystem::rename(folder / "zeros.txt", folder / "zeros.rqt");
-  EXPECT_EQ(shell("ulimit -v 4000000; $talus info zeros.rqt", std::chrono::seconds(20)).exit_code, damaged);
+  EXPECT_EQ(shell_within(4000000, "$talus info zeros.rqt", std::chrono::seconds(20)).exit_code, damaged);
   EXPECT_EQ(shell("$talus height a.talus - < points.txt").exit_code, done);
   EXPECT_EQ(shell("cat points.txt | $talus height a.talus -").exit_code, done) << "a pipe as standard input";
   EXPECT_EQ(shell("cat a.rqt | $talus convert - -o out.ply").exit_code, done);
@@ -276,7 +282,7 @@ TEST_F(Doors, ALineToAndFroTakesNoMoreThanTheRaster) {
   for (int i = 0; i < 200000; ++i) text += i % 2 == 0 ? "450015 5199985\n" : "452685 5197915\n";
   write_bytes(folder / "zigzag.txt", text);
   const Outcome outcome =
-      shell("ulimit -v 1000000; $talus query a.talus --tolerance 1000 --lines zigzag.txt -o zigzag.rqt");
+      shell_within(1000000, "$talus query a.talus --tolerance 1000 --lines zigzag.txt -o zigzag.rqt");
   ASSERT_EQ(outcome.exit_code, done) << outcome.err;
   ASSERT_EQ(talus({"query", "a.talus", "--tolerance", "1000", "--line=450015,5199985,452685,5197915", "-o", "once.rqt"})
                 .exit_code,

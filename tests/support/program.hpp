@@ -8,6 +8,13 @@
 
 namespace talus::support {
 
+/// How much longer a program may take that a sanitizer watches.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr int kSanitizerFactor = 10;
+#else
+inline constexpr int kSanitizerFactor = 1;
+#endif
+
 struct Outcome {
   int exit_code = -1;  ///< -1 if a signal ended it
   int signal = 0;      ///< 0 if it ended by itself
@@ -16,9 +23,9 @@ struct Outcome {
 
 struct RunOptions {
   std::optional<std::chrono::milliseconds> kill_after;  ///< SIGKILL, as a power cut would
-  std::chrono::seconds at_most{120};                    ///< SIGKILL too, so that a test never hangs
-  std::string input;                                    ///< a file to be the standard input; empty: an empty one
-  std::string folder;                                   ///< to run in; empty: this process's
+  std::chrono::seconds at_most{120};  ///< SIGKILL too, so that a test never hangs; × kSanitizerFactor
+  std::string input;                  ///< a file to be the standard input; empty: an empty one
+  std::string folder;                 ///< to run in; empty: this process's
 };
 
 /// Runs `arguments[0]` with the rest.
