@@ -130,7 +130,7 @@ class Walk {
 
   /// After trees() without a limit.
   [[nodiscard]] std::vector<FileRange> unused() const {
-    std::vector<FileRange> ranges = gaps_;
+    std::vector<FileRange> ranges = unused_;
     const auto add = [&](std::uint64_t page) { ranges.push_back({page * page_bytes_, page_bytes_}); };
     for (const std::uint64_t page : free_) add(page);
     for (std::uint64_t page = 2; page < pages_; ++page) {
@@ -180,7 +180,7 @@ class Walk {
       fail(fmt::format("LMDB page {}: its fill is impossible", number));
       return;
     }
-    gaps_.push_back({number * page_bytes_ + lower, std::uint64_t{upper} - lower});
+    unused_.push_back({number * page_bytes_ + lower, std::uint64_t{upper} - lower});
     for (std::size_t slot = kPageHeader; slot < lower; slot += 2) {
       const std::size_t at = load<std::uint16_t>(&page[slot]);
       if (at < upper || at + kNodeHeader > page_bytes_ || (at & 1) != 0) {
@@ -225,6 +225,8 @@ class Walk {
         fail(fmt::format("LMDB page {} differs from what its leaf says", first));
         return;
       }
+      const std::uint64_t end = first * page_bytes_ + kPageHeader + bytes;
+      unused_.push_back({end, (first + count) * page_bytes_ - end});
       if (!use(first, count) || !lists_free_) return;
       std::vector<std::byte> list(bytes);
       file_.read(first * page_bytes_ + kPageHeader, list.data(), list.size());
@@ -235,6 +237,8 @@ class Walk {
       fail(fmt::format("LMDB page {}: a value is longer than the page", number));
       return;
     }
+    // Nodes begin at even places.
+    if ((at + bytes) % 2 != 0 && at + bytes < page_bytes_) unused_.push_back({number * page_bytes_ + at + bytes, 1});
     if (flags == kSubData) {
       if (!holds_tables || bytes != sizeof(Tree)) {
         fail(fmt::format("LMDB page {}: a table is in the wrong place", number));
@@ -289,8 +293,9 @@ class Walk {
   std::uint64_t visited_ = 0;  // branch and leaf pages
   std::vector<bool> used_;     // pages of the file
   std::vector<std::uint64_t> free_;
-  std::vector<FileRange> gaps_;  ///< between the slots and the nodes of branch and leaf pages
-  bool lists_free_ = false;      // whether the present tree lists free pages
+  std::vector<FileRange>
+      unused_;               ///< between the slots and the nodes of branch and leaf pages, and behind large values
+  bool lists_free_ = false;  // whether the present tree lists free pages
   std::vector<std::string> findings_;
 };
 

@@ -13,7 +13,8 @@ void refuse_unsound(const std::filesystem::path& file);
 struct FileRange {
   std::uint64_t first = 0, bytes = 0;
 };
-/// What no table uses: free pages, and the gaps of branch and leaf pages. LMDB leaves there what it wrote before.
+/// What no table uses: free pages, the gaps of branch and leaf pages, and the rests of pages behind large values. LMDB
+/// leaves there what it wrote before.
 /// fails  corrupt
 [[nodiscard]] std::vector<FileRange> unused_ranges(const std::filesystem::path& file);
 
