@@ -240,7 +240,7 @@ TEST_F(Writers, ASymbolicLinkStaysAndItsTargetIsReplaced) {
     EXPECT_TRUE(fs::is_symlink(folder / "second.talus") && fs::is_symlink(folder / "link.talus"));
     EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(folder / "store" / "real.talus")));
     const double first = samples_of("store/real.talus").front();
-    EXPECT_EQ(first, raster.values.front() + (command.back() == "second.talus" && command[2] == "b.tif" ? 2 : 0));
+    EXPECT_EQ(first, raster.values.front() + (command.size() > 2 && command[2] == "b.tif" ? 2 : 0));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder / "store"), {}), 1);
   }
   fs::create_symlink("store/new.talus", folder / "dangling.talus");
