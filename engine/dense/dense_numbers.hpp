@@ -1,12 +1,16 @@
 #pragma once
-// The numbers of a page's square as bytes: grouped Rice codes. docs/format/v3.md, section 6, has the bits.
+// The numbers of a page's square as bytes: grouped Rice codes.
 //
 // Sixteen numbers that follow each other in a row are a group. How uneven the ground around a group is gives its class,
 // which reader and writer both know; the page says for each class how many low bits a number has. The rest of a number
 // is unary. All unary parts of a page are one stream of bits, all low bits another, so a reader finds the ends of all
 // unary parts before it knows any number.
 //
-// source  Rice codes: R. F. Rice, JPL 79-22, 1979; grouping and two streams: ours (docs/decisions/0013-format-3.md)
+// The bytes: bend shift (1), least number of low bits (1), numbers that are listed apart (2), bytes of unary parts (2) and
+// of flags (2), a bit for each class whose groups have flags (4), low bits of 26 classes beyond the least number (4 bits
+// each), the listed numbers (place 2, number 2 to 8), flags, unary parts, low bits. Little endian, lowest bits first.
+//
+// source  Rice codes: R. F. Rice, JPL 79-22, 1979; grouping and two streams: ours (docs/decisions/0012-dense-pages.md)
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 // The numbers of a dense page, one at a time and by the book: for numbers of 64 bits, and what all kernels are compared
-// with. docs/format/v3.md, section 6, has the same in words.
+// with.
 
 #include <algorithm>
 #include <array>

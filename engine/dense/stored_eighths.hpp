@@ -1,5 +1,5 @@
 #pragma once
-// Errors in eighths that do not follow from the heights of a page, as bytes. docs/format/v3.md has the bits.
+// Errors in eighths that do not follow from the heights of a page, as bytes.
 //
 // A saturated error is at least that of each of its children, and at least the distance of the vertex from the middle of
 // its ends. Most stored errors are exactly the largest of these, so each has a bit that says whether it is more, and only
