@@ -26,31 +26,24 @@ constexpr std::size_t kSquare = std::size_t{kSide} * kSide;
 struct Pages {
   std::vector<std::vector<std::uint16_t>> squares, known;
   std::vector<std::vector<std::byte>> numbers, errors;
+  SquareBits data{};  ///< all
   std::unique_ptr<StoredEighths> border;
 
   Pages() {
     const std::vector<double> ground = bench::mountains(kAcross * kSide);
-    SquareBits data{}, present{}, stored{};
     for (int row = 0; row < kSide; ++row) {
       for (int col = 0; col < kSide; ++col) insert(data, col, row);
     }
-    const SquareBits implied = implied_places(data);
-    for_each_bit(data, [&](int col, int row) {
-      if (((col | row) & 7) == 0) return;
-      insert(present, col, row);
-      if (!has(implied, col, row)) insert(stored, col, row);
-    });
-    border = std::make_unique<StoredEighths>(stored, present, data);
+    border = std::make_unique<StoredEighths>(data, data);
     DenseNumbers<std::uint16_t> writer;
-    const auto memory = std::make_unique<detail::EighthsMemory>();
+    const auto memory = std::make_unique<SortedSquare>();
     for (int y = 0; y < kAcross; ++y) {
       for (int x = 0; x < kAcross; ++x) add(ground, x, y, writer, *memory);
     }
   }
 
  private:
-  void add(const std::vector<double>& ground, int x, int y, DenseNumbers<std::uint16_t>& writer,
-           detail::EighthsMemory& memory) {
+  void add(const std::vector<double>& ground, int x, int y, DenseNumbers<std::uint16_t>& writer, SortedSquare& memory) {
     std::vector<std::uint16_t> square(kSquare), coarse(kSquare, 0);
     for (int row = 0; row < kSide; ++row) {
       for (int col = 0; col < kSide; ++col) {
@@ -65,12 +58,11 @@ struct Pages {
     const auto errors_of = std::make_unique<SortedSquare>();
     const auto* heights = reinterpret_cast<const std::int16_t*>(square.data());
     detail::eighths_kernel(instruction_set()).compute(heights, *errors_of, memory);
-    std::vector<std::byte> stored;  // the least possible errors
-    for (int i = 0; i < kSide; ++i) {
-      for (const int at : {SortedSquare::index_of(0, i), SortedSquare::index_of(kSide - 1, i),
-                           SortedSquare::index_of(i, 0), SortedSquare::index_of(i, kSide - 1)})
-        errors_of->numbers[at] = 0;
-    }
+    const SquareBits implied = implied_places(data);
+    for_each_bit(data, [&](int col, int row) {  // the least possible errors
+      if (!has(implied, col, row)) errors_of->numbers[SortedSquare::index_of(col, row)] = 0;
+    });
+    std::vector<std::byte> stored;
     border->put({heights, kSquare}, *errors_of, stored);
     squares.push_back(std::move(square));
     known.push_back(std::move(coarse));
@@ -87,7 +79,7 @@ const Pages& pages() {
 struct Room {
   std::vector<std::uint16_t> square = std::vector<std::uint16_t>(kSquare);
   SortedSquare errors{};
-  detail::EighthsMemory memory{};
+  SortedSquare memory{};
   std::uint64_t rows[kSide][2] = {};
 
   void know(std::size_t page) {

@@ -145,6 +145,10 @@ class Walk {
     return std::nullopt;
   }
 
+  void leave(std::uint64_t first, std::uint64_t end) {
+    if (first < end) unused_.push_back({first, end - first});
+  }
+
   void walk(const Tree& tree, bool holds_tables) {
     if (tree.root == kNoPage) {
       if (tree.entries != 0) fail("a tree has entries but no root");
@@ -180,7 +184,7 @@ class Walk {
       fail(fmt::format("LMDB page {}: its fill is impossible", number));
       return;
     }
-    unused_.push_back({number * page_bytes_ + lower, std::uint64_t{upper} - lower});
+    leave(number * page_bytes_ + lower, number * page_bytes_ + upper);
     for (std::size_t slot = kPageHeader; slot < lower; slot += 2) {
       const std::size_t at = load<std::uint16_t>(&page[slot]);
       if (at < upper || at + kNodeHeader > page_bytes_ || (at & 1) != 0) {
@@ -225,8 +229,7 @@ class Walk {
         fail(fmt::format("LMDB page {} differs from what its leaf says", first));
         return;
       }
-      const std::uint64_t end = first * page_bytes_ + kPageHeader + bytes;
-      unused_.push_back({end, (first + count) * page_bytes_ - end});
+      leave(first * page_bytes_ + kPageHeader + bytes, (first + count) * page_bytes_);
       if (!use(first, count) || !lists_free_) return;
       std::vector<std::byte> list(bytes);
       file_.read(first * page_bytes_ + kPageHeader, list.data(), list.size());
@@ -237,8 +240,8 @@ class Walk {
       fail(fmt::format("LMDB page {}: a value is longer than the page", number));
       return;
     }
-    // Nodes begin at even places.
-    if ((at + bytes) % 2 != 0 && at + bytes < page_bytes_) unused_.push_back({number * page_bytes_ + at + bytes, 1});
+    const std::uint64_t end = number * page_bytes_ + at + bytes;
+    leave(end, end + end % 2);  // nodes begin at even places
     if (flags == kSubData) {
       if (!holds_tables || bytes != sizeof(Tree)) {
         fail(fmt::format("LMDB page {}: a table is in the wrong place", number));
@@ -293,15 +296,10 @@ class Walk {
   std::uint64_t visited_ = 0;  // branch and leaf pages
   std::vector<bool> used_;     // pages of the file
   std::vector<std::uint64_t> free_;
-  std::vector<FileRange>
-      unused_;               ///< between the slots and the nodes of branch and leaf pages, and behind large values
-  bool lists_free_ = false;  // whether the present tree lists free pages
+  std::vector<FileRange> unused_;  // parts of pages that are in use
+  bool lists_free_ = false;        // whether the present tree lists free pages
   std::vector<std::string> findings_;
 };
-
-}  // namespace
-
-namespace {
 
 void refuse_findings(const Walk& walk, const std::filesystem::path& file) {
   if (walk.findings().empty()) return;

@@ -9,13 +9,13 @@
 
 namespace talus::detail {
 
-inline constexpr int kDenseSide = 128;                       ///< numbers along a square's side
-inline constexpr int kDenseLevels = 3;                       ///< spacings 4, 2 and 1
-inline constexpr int kGroup = 16;                            ///< numbers that share a parameter
-inline constexpr int kDenseNumbers = 128 * 128 - 16 * 16;    ///< all but those of spacing 8
+inline constexpr int kDenseSide = 128;   ///< numbers along a square's side
+inline constexpr int kDenseLevels = 3;   ///< spacings 4, 2 and 1
+inline constexpr int kKnownAcross = 16;  ///< numbers of spacing 8 along a side
+inline constexpr int kGroup = 16;        ///< numbers that share a parameter
+inline constexpr int kDenseNumbers = kDenseSide * kDenseSide - kKnownAcross * kKnownAcross;
 inline constexpr int kDenseGroups = kDenseNumbers / kGroup;  ///< of a square
 inline constexpr int kBendClasses = 26, kBendSums = 16 * 255 + 1;
-inline constexpr int kMostOnes = kDenseNumbers;
 inline constexpr std::uint8_t kFlagged = 128;  ///< added in DenseStreams::low_bits_of
 
 /// The class of a sum of bends: 0 for none, then two an octave.
@@ -34,7 +34,7 @@ constexpr std::size_t bend_place(unsigned sum) { return sum < 64 ? sum : 64 + (s
 struct DenseStreams {
   const std::uint8_t *unary = nullptr, *flags = nullptr, *low = nullptr;
   std::size_t unary_bytes = 0, flag_bytes = 0, low_bytes = 0;
-  const std::uint16_t* patched = nullptr;       ///< numbers in coding order, rising
+  const std::uint16_t* patched = nullptr;       ///< places in the square, in coding order
   const std::uint64_t* patch_values = nullptr;  ///< what they are
   std::size_t patches = 0;
   int bend_shift = 2;                          ///< bends are counted in units of 2 to this power
@@ -58,7 +58,7 @@ struct alignas(64) DenseMemory {
   T even[kStride * 67 + kRim], centres[kStride * 67 + kRim];
   T along[64 * 64 + kRim], down[64 * 64 + kRim];
   T bends[8][2][kStride + kRim];
-  std::uint8_t ones[64 + kMostOnes + 64];  ///< positions of ones, modulo 256
+  std::uint8_t ones[64 + kDenseNumbers + 64];  ///< positions of ones, modulo 256
 };
 
 /// The functions for numbers of one width. A square has kDenseSide² numbers row by row; those of spacing 8 are known.

@@ -27,10 +27,6 @@ struct SortedSquare {
   }
 };
 
-struct EighthsMemory {
-  SortedSquare heights;  ///< in eighths of a height code; differences count, and they wrap around
-};
-
 /// A part of a square: columns first_col to last_col, rows alike.
 struct SquarePart {
   int first_col = 0, last_col = 127, first_row = 0, last_row = 127;
@@ -47,9 +43,10 @@ struct EighthsKernel {
   /// samples of the square only (is_implied_by_place), if 16 bits hold all differences between their samples and
   /// planes, and eight times any slope.
   ///
-  /// square  128² numbers row by row
-  /// errors  those of samples of spacing 8 have no meaning
-  void (*compute)(const std::int16_t* square, SortedSquare& errors, EighthsMemory&);
+  /// square   128² numbers row by row
+  /// errors   those of samples of spacing 8 have no meaning
+  /// heights  memory to work in; receives the square in eighths
+  void (*compute)(const std::int16_t* square, SortedSquare& errors, SortedSquare& heights);
   /// Sets the bits of the samples in `part` whose errors are above the threshold, and clears those of all others.
   EighthsFound (*select)(const SortedSquare& errors, std::int16_t threshold, const SquarePart& part,
                          std::uint64_t (*rows)[2]);

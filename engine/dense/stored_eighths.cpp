@@ -97,13 +97,14 @@ int bits_of(unsigned number, int low_bits) {
 
 }  // namespace
 
-StoredEighths::StoredEighths(const SquareBits& stored, const SquareBits& present, const SquareBits& data) {
+StoredEighths::StoredEighths(const SquareBits& present, const SquareBits& data) {
+  const SquareBits implied = implied_places(data);
   for (int level = 0; level < kLevels; ++level) {
     const int s = 1 << (level / 2);
     const bool centre = level % 2 != 0;
-    for_each_bit(stored, [&](int col, int row) {
+    for_each_bit(present, [&](int col, int row) {
       const int low = (col | row) & -(col | row);
-      if (low != s || (((col & s) != 0 && (row & s) != 0) != centre)) return;
+      if (low != s || has(implied, col, row) || (((col & s) != 0 && (row & s) != 0) != centre)) return;
       Vertex v{};
       v.error = static_cast<std::int16_t>(SortedSquare::index_of(col, row));
       v.at = static_cast<std::int16_t>(row * kSide + col);

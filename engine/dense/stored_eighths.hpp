@@ -18,17 +18,16 @@ namespace talus {
 /// Writes and reads the stored errors of squares.
 class StoredEighths {
  public:
-  /// For squares with these places of stored errors. The others of spacing 1, 2 and 4 are implied or missing.
+  /// For squares with these samples. Of those of spacing 1, 2 and 4 an error is stored that implied_places() lacks.
   ///
-  /// stored   children come before their parents
-  /// present  vertices that have an error at all
-  /// data     samples that are data, whose heights count
-  StoredEighths(const SquareBits& stored, const SquareBits& present, const SquareBits& data);
+  /// present  samples in the raster
+  /// data     those of them that are data, whose heights count
+  StoredEighths(const SquareBits& present, const SquareBits& data);
 
   /// Appends the stored errors. An error that is smaller than the least possible one counts as that, and becomes it.
   ///
   /// square  128² numbers row by row
-  /// errors  all errors of present vertices
+  /// errors  those of all present vertices of spacing 1, 2 and 4
   void put(std::span<const std::int16_t> square, detail::SortedSquare& errors, std::vector<std::byte>& out) const;
   /// Reads what put() appended from the beginning of `bytes`.
   ///
@@ -50,7 +49,7 @@ class StoredEighths {
   };
   [[nodiscard]] static int least(const Vertex& v, const std::int16_t* square, const std::int16_t* errors);
 
-  std::vector<Vertex> vertices_;
+  std::vector<Vertex> vertices_;  ///< children before their parents
 };
 
 }  // namespace talus

@@ -4,19 +4,8 @@
 
 namespace talus::detail {
 
-extern const BlockKernel portable_block_kernel;
-#if defined(__x86_64__)
-extern const BlockKernel avx2_block_kernel, avx512_block_kernel;
-#endif
+extern const BlockKernel portable_block_kernel, avx2_block_kernel, avx512_block_kernel;
 
-const BlockKernel& block_kernel() {
-  switch (instruction_set()) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512: return avx512_block_kernel;
-    case InstructionSet::avx2: return avx2_block_kernel;
-#endif
-    default: return portable_block_kernel;
-  }
-}
+const BlockKernel& block_kernel() { return kernel_for(instruction_set(), TALUS_KERNELS(block_kernel)); }
 
 }  // namespace talus::detail

@@ -13,23 +13,16 @@
 
 namespace talus::detail {
 
-extern const TriangleKernel portable_triangle_kernel;
-#if defined(__x86_64__)
-extern const TriangleKernel avx2_triangle_kernel, avx512_triangle_kernel;
-#endif
+extern const TriangleKernel portable_triangle_kernel, avx2_triangle_kernel, avx512_triangle_kernel;
 
 namespace {
 
 constexpr std::int64_t kRowsAtOnce = 256;  ///< between two checks of the stop token
 
 const TriangleKernel& triangle_kernel() {
-  switch (instruction_set()) {
-#if defined(__x86_64__)
-    case InstructionSet::avx512: return avx512_triangle_kernel;
-    case InstructionSet::avx2: return has_slow_pext() ? portable_triangle_kernel : avx2_triangle_kernel;
-#endif
-    default: return portable_triangle_kernel;
-  }
+  const InstructionSet set = instruction_set();
+  const bool too_slow = set == InstructionSet::avx2 && has_slow_pext();
+  return kernel_for(too_slow ? InstructionSet::portable : set, TALUS_KERNELS(triangle_kernel));
 }
 
 MaskRows rows_of(const RestrictedQuadtree& quadtree) {

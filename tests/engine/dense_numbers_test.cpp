@@ -186,6 +186,16 @@ TEST(DenseNumbers, FlatGroundCostsAFlagForSixteenNumbersOrLess) {
   EXPECT_LE(bytes.size(), 160u);  // 1008 groups
 }
 
+TEST(DenseNumbers, APlaneCostsWhatFlatGroundCosts) {
+  Square<std::uint16_t> flat(kSquare, 1234), plane(kSquare);
+  for (std::size_t i = 0; i < kSquare; ++i)
+    plane[i] = static_cast<std::uint16_t>(900 + 3 * (i % kSide) - 5 * (i / kSide));
+  std::vector<std::byte> of_flat, of_plane;
+  DenseNumbers<std::uint16_t>().put(flat, nullptr, of_flat);
+  DenseNumbers<std::uint16_t>().put(plane, nullptr, of_plane);
+  EXPECT_TRUE(of_flat == of_plane);
+}
+
 TEST(DenseNumbers, ASpikeCostsAsMuchAsAPatch) {
   Square<std::uint16_t> square(kSquare, 0);
   std::vector<std::byte> flat, spike;

@@ -48,7 +48,7 @@ std::vector<std::int32_t> unwrapped(const std::vector<std::int16_t>& heights) {
 
 TEST(Eighths, AreTheErrorsIn32BitsForEveryKernel) {
   ImpliedErrors<std::int32_t> by_32_bits;
-  const auto memory = std::make_unique<detail::EighthsMemory>();
+  const auto sorted = std::make_unique<SortedSquare>();
   const auto errors = std::make_unique<SortedSquare>();
   for (std::uint32_t seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE(seed);
@@ -58,7 +58,7 @@ TEST(Eighths, AreTheErrorsIn32BitsForEveryKernel) {
     by_32_bits.compute(unwrapped(heights), PresentRect{}, {}, expected);
     for (const InstructionSet set : instruction_sets_here()) {
       *errors = {};
-      detail::eighths_kernel(set).compute(heights.data(), *errors, *memory);
+      detail::eighths_kernel(set).compute(heights.data(), *errors, *sorted);
       int compared = 0;
       for (int row = 0; row < kSide; ++row) {
         for (int col = 0; col < kSide; ++col) {
