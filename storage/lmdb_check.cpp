@@ -122,22 +122,18 @@ class Walk {
       lists_free_ = &tree == &meta.trees[0];
       walk(tree, !lists_free_);
     }
-    if (visited_ < limit_ && findings_.empty()) free_pages();
+    if (visited_ >= limit_ || !findings_.empty()) return;
+    for (std::uint64_t page = 2; page < pages_; ++page) {
+      if (!used_[page]) leave(page * page_bytes_, (page + 1) * page_bytes_);
+    }
+    free_pages();
   }
   /// Stops the walk after this many branch and leaf pages.
   void limit(std::uint64_t pages) { limit_ = pages; }
   [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
 
   /// After trees() without a limit.
-  [[nodiscard]] std::vector<FileRange> unused() const {
-    std::vector<FileRange> ranges = unused_;
-    const auto add = [&](std::uint64_t page) { ranges.push_back({page * page_bytes_, page_bytes_}); };
-    for (const std::uint64_t page : free_) add(page);
-    for (std::uint64_t page = 2; page < pages_; ++page) {
-      if (!used_[page]) add(page);
-    }
-    return ranges;
-  }
+  [[nodiscard]] const std::vector<FileRange>& unused() const { return unused_; }
 
  private:
   std::nullopt_t fail(const std::string& what) {
@@ -296,8 +292,8 @@ class Walk {
   std::uint64_t visited_ = 0;  // branch and leaf pages
   std::vector<bool> used_;     // pages of the file
   std::vector<std::uint64_t> free_;
-  std::vector<FileRange> unused_;  // parts of pages that are in use
-  bool lists_free_ = false;        // whether the present tree lists free pages
+  std::vector<FileRange> unused_;
+  bool lists_free_ = false;  // whether the present tree lists free pages
   std::vector<std::string> findings_;
 };
 
