@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <gdal_priv.h>
 
 #include "bench/terrain.hpp"
 #include "bench/yardstick.hpp"
@@ -161,6 +162,56 @@ void BM_BytesToBits(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_BytesToBits);
+
+/// Whole pages of a real model, whose samples are all data.
+std::vector<std::vector<std::uint16_t>> pages_of_model(const char* name) {
+  std::vector<std::vector<std::uint16_t>> squares;
+  const auto file = bench::real_model(name);
+  if (!file) return squares;
+  GDALAllRegister();
+  const std::unique_ptr<GDALDataset> raster(GDALDataset::Open(file->c_str(), GDAL_OF_RASTER));
+  GDALRasterBand* band = raster->GetRasterBand(1);
+  const double none = band->GetNoDataValue();
+  for (int y = 0; y + kSide <= band->GetYSize(); y += kSide) {
+    for (int x = 0; x + kSide <= band->GetXSize(); x += kSide) {
+      std::vector<std::int16_t> heights(kSquare);
+      if (band->RasterIO(GF_Read, x, y, kSide, kSide, heights.data(), kSide, kSide, GDT_Int16, 0, 0) != CE_None)
+        continue;
+      const bool whole = std::none_of(heights.begin(), heights.end(), [&](std::int16_t h) { return h == none; });
+      if (whole) squares.emplace_back(heights.begin(), heights.end());
+    }
+  }
+  return squares;
+}
+
+/// Reads the pages of a model, and says what they take.
+void BM_RealModel(benchmark::State& state, const char* name) {
+  const std::vector<std::vector<std::uint16_t>> squares = pages_of_model(name);
+  if (squares.empty()) return state.SkipWithError("no such model here: set TALUS_DEM_DIR");
+  DenseNumbers<std::uint16_t> numbers;
+  std::vector<std::vector<std::byte>> written(squares.size());
+  double bytes = 0;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    std::vector<std::uint16_t> square = squares[i];
+    numbers.put(square, nullptr, written[i]);
+    bytes += static_cast<double>(written[i].size());
+  }
+  std::vector<std::uint16_t> square(kSquare);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      for (std::size_t row = 0; row < kSide; row += 8) {
+        for (std::size_t col = 0; col < kSide; col += 8) square[row * kSide + col] = squares[i][row * kSide + col];
+      }
+      if (!numbers.get(written[i], nullptr, square) || square != squares[i]) state.SkipWithError("it is not lossless");
+    }
+  }
+  const auto pages = static_cast<double>(squares.size());
+  state.counters["bits/number"] = 8 * bytes / (pages * detail::kDenseNumbers);
+  state.counters["samples/s"] = benchmark::Counter(pages * kSquare, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK_CAPTURE(BM_RealModel, srtm3_N47E007, "swiss_germany_3s/srtm3_N47E007.tif")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_RealModel, srtm3_S36E149, "srtm3_S36E149.tif")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_RealModel, kenya_central_z11, "kenya_central_z11.tif")->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace talus

@@ -39,7 +39,7 @@ class DenseNumbers {
   /// number that is not stored becomes what the reader will have.
   ///
   /// stored  which numbers are stored; null: all
-  /// cost    about 4 ns a number
+  /// cost    about 5 ns a number
   void put(std::span<T> square, const SquareBits* stored, std::vector<std::byte>& out);
 
   /// Reads all that put() appended.
