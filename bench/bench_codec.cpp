@@ -13,6 +13,7 @@
 
 #include "engine/page/page_codec.hpp"
 #include "query/pages/stored_pages.hpp"
+#include "tests/support/given_page.hpp"
 
 namespace talus {
 namespace {
@@ -41,9 +42,8 @@ std::vector<Page> pages_of(const StoredPages& stored, int band) {
   PageDecoder decoder;
   QueryCost unused;
   stored.transaction().for_each(band, [&](std::uint64_t position) {
-    Page page = stored.get(page_at(band, position), decoder, unused, nullptr);
-    for (std::size_t i = 0; i < page.errors.size(); ++i) page.errors[i] = page.error(i, stored.distance());
-    pages.push_back(std::move(page));
+    pages.push_back(
+        support::given_page(stored.get(page_at(band, position), decoder, unused, nullptr), stored.distance()));
   });
   return pages;
 }

@@ -184,9 +184,8 @@ BENCHMARK(BM_Profile_Warm)->ArgName("tolerance_m")->Arg(1)->Arg(20)->Unit(benchm
 void BM_PageCache(benchmark::State& state) {
   const bool recycled = state.range(0) != 0;
   Page page;
-  page.heights.assign(1 << 14, 1);
-  page.errors.assign(1 << 14, 1);
-  page.eighths.assign(1 << 14, 1);
+  page.is_dense = true;
+  page.squares.resize(1);
   PageCache cache(std::uint64_t{64} << 20);
   std::list<std::shared_ptr<const Page>> fresh;
   std::uint64_t position = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Pages in LMDB's values: alone, or sixty-four on a shelf. docs/format/v2.md has the bytes.
+// Pages in LMDB's values: alone, or sixty-four on a shelf. docs/format/v3.md has the bytes.
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #pragma once
-// Errors that follow from a page's heights, in eighths of a height code and 16 bits, and the vertices above a threshold:
-// compiled once for each kind of processor.
+// Errors that follow from a page's heights, in eighths of a height code and 16 bits, the vertices above a threshold, and
+// their heights: compiled once for each kind of processor.
 //
 // Its sources include only this header and engine/dense/eighths_kernel.inc. An inline function of another header would be
 // compiled with their instructions too, and the linker might use that version everywhere.
@@ -50,6 +50,8 @@ struct EighthsKernel {
   /// Sets the bits of the samples in `part` whose errors are above the threshold, and clears those of all others.
   EighthsFound (*select)(const SortedSquare& errors, std::int16_t threshold, const SquarePart& part,
                          std::uint64_t (*rows)[2]);
+  /// Writes the numbers of a square whose bits are set, row by row, and returns how many. Up to 32 more are written.
+  int (*gather)(const std::int16_t* square, const std::uint64_t (*rows)[2], std::int16_t* to);
 };
 
 }  // namespace talus::detail

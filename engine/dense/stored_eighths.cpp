@@ -111,7 +111,9 @@ StoredEighths::StoredEighths(const SquareBits& present, const SquareBits& data) 
       v.level = static_cast<std::uint8_t>(level);
       const At step = to_end({col, row}, s, centre), a{col - step.col, row - step.row},
                b{col + step.col, row + step.row};
-      if (is_inside(a) && is_inside(b) && has(data, col, row) && has(data, a.col, a.row) && has(data, b.col, b.row))
+      const auto is_data = [&](At p) { return is_inside(p) && has(data, p.col, p.row); };
+      // A side midpoint of spacing 1 is here because the page has no valid apex: perhaps no triangle with data.
+      if (level > 0 && is_data({col, row}) && is_data(a) && is_data(b))
         v.to_end = static_cast<std::int16_t>(step.row * kSide + step.col);
       if (level > 0) {
         for (const At child : children_of({col, row}, s, centre)) {
@@ -135,16 +137,18 @@ int StoredEighths::least(const Vertex& v, const std::int16_t* square, const std:
   return least;
 }
 
-void StoredEighths::put(std::span<const std::int16_t> square, SortedSquare& errors, std::vector<std::byte>& out) const {
+bool StoredEighths::put(std::span<const std::int16_t> square, SortedSquare& errors, std::vector<std::byte>& out) const {
   if (vertices_.empty()) {
     out.push_back(std::byte{0});
-    return;
+    return true;
   }
   std::vector<unsigned> above;
   above.reserve(vertices_.size());
+  bool all_possible = true;
   for (const Vertex& v : vertices_) {
     const int from = least(v, square.data(), errors.numbers);
     std::int16_t& error = errors.numbers[v.error];
+    all_possible = all_possible && error >= from;
     error = static_cast<std::int16_t>(std::max(from, int{error}));
     above.push_back(static_cast<unsigned>(error - from));
   }
@@ -175,6 +179,7 @@ void StoredEighths::put(std::span<const std::int16_t> square, SortedSquare& erro
       writer.put(number, 15);
     }
   }
+  return all_possible;
 }
 
 std::size_t StoredEighths::get(std::span<const std::byte> bytes, std::span<const std::int16_t> square,

@@ -26,9 +26,10 @@ class StoredEighths {
 
   /// Appends the stored errors. An error that is smaller than the least possible one counts as that, and becomes it.
   ///
-  /// square  128² numbers row by row
-  /// errors  those of all present vertices of spacing 1, 2 and 4
-  void put(std::span<const std::int16_t> square, detail::SortedSquare& errors, std::vector<std::byte>& out) const;
+  /// square   128² numbers row by row
+  /// errors   those of all present vertices of spacing 1, 2 and 4
+  /// returns  whether all were possible
+  bool put(std::span<const std::int16_t> square, detail::SortedSquare& errors, std::vector<std::byte>& out) const;
   /// Reads what put() appended from the beginning of `bytes`.
   ///
   /// errors   has all implied errors

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace talus {
 
@@ -15,6 +16,29 @@ CodeDistance::CodeDistance(const HeightStep& step, double metres_per_unit) {
   const bool is_fraction = scale < 1 && std::abs(scale * per_unit - 1) < 3e-16;  // scale is the double nearest to 1/n
   factor_ = (is_fraction ? 1 : scale) * metres_per_unit;
   divisor_ = step.divisor * (is_fraction ? per_unit : 1);
+  is_whole_ = step.integer;
+}
+
+CodeDistance::CodeDistance(const Description& description)
+    : CodeDistance(description.step, description.metres_per_unit) {
+  // Which vertices were dropped was decided by rungs of the ladder.
+  is_whole_ = is_whole_ && description.finest_tolerance.value == 0;
+}
+
+std::int64_t CodeDistance::eighths(double metres) const {
+  constexpr double kMost = 0x1p62;
+  const auto is_below = [&](double eighths) { return this->metres(eighths / 8) < metres; };
+  double eighths = std::ceil(metres * divisor_ / factor_ * 8);
+  if (!(eighths < kMost)) return std::numeric_limits<std::int64_t>::max();
+  while (eighths > 0 && !is_below(eighths - 1)) --eighths;
+  while (is_below(eighths)) ++eighths;
+  return static_cast<std::int64_t>(eighths);
+}
+
+double CodeDistance::up_to_eighths(ErrorCode code) const {
+  const double error = error_of(code);
+  if (!is_whole_ || code == 0 || code >= kAlwaysSelected) return error;
+  return std::max(error, metres(static_cast<double>(eighths(error)) / 8));
 }
 
 bool CodeDistance::is_binary() const {

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/error/error_ladder.hpp"
 #include "engine/quadtree/rect.hpp"
 #include "talus/description.hpp"
 #include "talus/units.hpp"
@@ -31,9 +32,18 @@ class CodeDistance {
  public:
   CodeDistance() = default;
   CodeDistance(const HeightStep& step, double metres_per_unit);
+  /// Of a database.
+  explicit CodeDistance(const Description& description);
   [[nodiscard]] double metres(double codes) const { return codes * factor_ / divisor_; }
   [[nodiscard]] double factor() const { return factor_; }
   [[nodiscard]] double divisor() const { return divisor_; }
+  /// Whether all height codes of the database are whole numbers, and all samples were kept: errors are then whole
+  /// eighths of a code.
+  [[nodiscard]] bool is_whole() const { return is_whole_; }
+  /// The fewest eighths of a height code that are not below an error in metres; the largest int64 if none is.
+  [[nodiscard]] std::int64_t eighths(double metres) const;
+  /// The error of a code in metres; if height codes are whole, rounded up to eighths of one.
+  [[nodiscard]] double up_to_eighths(ErrorCode code) const;
   friend bool operator==(const CodeDistance&, const CodeDistance&) = default;
   /// Whether one code is a power of two in metres, so that no conversion rounds.
   [[nodiscard]] bool is_binary() const;
@@ -41,6 +51,7 @@ class CodeDistance {
  private:
   // Division by ten makes three codes of 0.1 m equal to 0.3 m; multiplication by 0.1 does not.
   double factor_ = 1, divisor_ = 1;
+  bool is_whole_ = false;
 };
 
 /// Height codes over an extent, row by row. A code is a whole number of height steps, or the source's own float.

@@ -1,5 +1,5 @@
 #pragma once
-// The header of a database. docs/format/v2.md has its fields.
+// The header of a database. docs/format/v3.md has its fields.
 
 #include <cstddef>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace talus {
 
-inline constexpr int kFormatVersion = 2;
+inline constexpr int kFormatVersion = 3;
 
 struct Manifest {
   Description description;

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/page/page_heights.hpp"
+#include "engine/page/page_layout.hpp"
 
 namespace talus {
 

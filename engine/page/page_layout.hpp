@@ -6,6 +6,7 @@
 // child pages in band b−1. A page has the height of every 8^b-th sample of its square, coarser vertices included, so it
 // is read without any other page. It has errors for the vertices of its own band only.
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +22,15 @@ inline constexpr int kPageShift = 7;   ///< log2 of samples along a page's side
 inline constexpr std::int32_t kPageSide = 1 << kPageShift;
 inline constexpr std::int32_t kChildrenAcross = 1 << kBandLevels;
 static_assert(kPageShift >= kBandLevels && kPageShift <= 10 && kBandLevels >= 1);
+
+/// Samples of a page's whole square.
+inline constexpr std::size_t kSquare = static_cast<std::size_t>(kPageSide) * kPageSide;
+
+/// The samples of a page's square that exist: columns first_col to end_col - 1, rows alike.
+struct PresentRect {
+  std::int32_t first_col = 0, end_col = kPageSide, first_row = 0, end_row = kPageSide;
+  friend bool operator==(const PresentRect&, const PresentRect&) = default;
+};
 
 struct PageId {
   int band = 0;

@@ -311,7 +311,7 @@ void CoarseLevels::look(Large& half, const Page& page, GridRect block) const {
       const std::size_t i = page.index(col - page.grid.first.col, row - page.grid.first.row);
       if (!page.valid.empty() && !page.valid[i]) continue;
       half.largest =
-          std::max(half.largest, std::abs(page.heights[i] - (start + half.plane.right * (col - half.plane.col))));
+          std::max(half.largest, std::abs(page.height(i) - (start + half.plane.right * (col - half.plane.col))));
     }
   }
 }

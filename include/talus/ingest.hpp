@@ -135,7 +135,7 @@ struct IngestEstimate {
 ///           input is at fault
 /// cost      memory: options.memory_bytes. Time: linear, about 50 ns a sample and core. Reads the samples once, and
 ///           before that all bytes of the files once for their checksums
-/// source    exact errors [P98 §5], saturation, levels of blocks [P98 §10], pages docs/format/v2.md
+/// source    exact errors [P98 §5], saturation, levels of blocks [P98 §10], pages docs/format/v3.md
 IngestReport ingest(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& database,
                     const IngestOptions& options = {});
 IngestReport ingest(const std::filesystem::path& input, const std::filesystem::path& database,

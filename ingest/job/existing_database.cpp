@@ -34,7 +34,7 @@ std::uint32_t ExistingDatabase::generation_of(PageKey key, std::span<const std::
 void ExistingDatabase::fill(Window& window) const {
   const GridRect& extent = manifest_.description.extent;
   if (!overlap(window.region, extent)) return;
-  const CodeDistance distance(manifest_.description.step, manifest_.description.metres_per_unit);
+  const CodeDistance distance(manifest_.description);
   PageDecoder decoder;
   const GridRect shared = common(window.region, extent);
   const PageId first = page_of(shared.first, 0), last = page_of(shared.last, 0);
@@ -49,7 +49,7 @@ void ExistingDatabase::fill(Window& window) const {
         const std::size_t to = index_in(window.region, p);
         if (!page.is_data(from) || window.valid[to]) return;
         window.valid[to] = 1;
-        set_code(window.codes, to, page.heights[from]);
+        set_code(window.codes, to, page.height(from));
       });
     }
   }

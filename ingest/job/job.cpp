@@ -269,7 +269,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
           {}};
   const Description& d = job.description;
   job.is_stale = [](TileId) { return false; };
-  job.distance = CodeDistance(d.step, d.metres_per_unit);
+  job.distance = CodeDistance(d);
   job.making = {d.extent,
                 d.step,
                 job.distance,

@@ -5,6 +5,7 @@ namespace talus {
 const Page* KeptHeights::page_with(GridPoint p) {
   const int bands = pages_.manifest().bands;
   const PageId id = page_of(p, band_of(p, bands));
+  if (bands_.empty()) bands_.resize(static_cast<std::size_t>(bands));
   Band& band = bands_[static_cast<std::size_t>(id.band)];
   if (band.page == nullptr || band.id != id) {
     band.page = nullptr;
@@ -19,7 +20,7 @@ double KeptHeights::at(GridPoint p) {
   const Page* page = page_with(p);
   if (page == nullptr) return 0;
   const std::size_t i = page->index(p);
-  if (is_kept(*page, i, p)) return page->heights[i];
+  if (is_kept(*page, i, p)) return page->height(i);
   const std::uint64_t key = std::uint64_t{static_cast<std::uint32_t>(p.col)} << 32 | static_cast<std::uint32_t>(p.row);
   if (const auto known = found_.find(key); known != found_.end()) return known->second;
   const Diamond d = diamond(p);

@@ -39,8 +39,7 @@ class KeptHeights {
   QueryCost& cost_;
   bool all_kept_ = pages_.manifest().description.kept_above().value == 0;
   ErrorCode largest_dropped_ = largest_code_within(pages_.manifest().description.kept_above().value);
-  /// The page of each band that was used last.
-  std::vector<Band> bands_ = std::vector<Band>(static_cast<std::size_t>(pages_.manifest().bands));
+  std::vector<Band> bands_;  ///< the page of each band that was used last; empty until one is
   std::unordered_map<std::uint64_t, double> found_;
 };
 

@@ -59,7 +59,7 @@ StoredPages::StoredPages(const PageStore& store, std::shared_ptr<PageCache> cach
   } catch (const Failure& f) {
     fail_in(file_, f.cause(), "{}: {}", file_.string(), f.what());
   }
-  distance_ = CodeDistance(manifest_.description.step, manifest_.description.metres_per_unit);
+  distance_ = CodeDistance(manifest_.description);
 }
 
 namespace {
@@ -134,8 +134,8 @@ std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generat
 }
 
 bool StoredPages::would_keep(GridRect region) const {
-  constexpr std::uint64_t kBytesASample = 20;
-  return static_cast<std::uint64_t>(region.samples()) <= cache_->most_bytes() / 2 / kBytesASample;
+  const std::uint64_t bytes_a_sample = distance_.is_whole() ? 6 : 20;  // most pages of whole numbers are dense
+  return static_cast<std::uint64_t>(region.samples()) <= cache_->most_bytes() / 2 / bytes_a_sample;
 }
 
 }  // namespace talus

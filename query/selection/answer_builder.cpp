@@ -1,7 +1,10 @@
 #include "query/selection/answer_builder.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 
+#include "engine/dense/kernels.hpp"
 #include "engine/machine/parallel.hpp"
 #include "query/pages/stopwatch.hpp"
 
@@ -17,7 +20,7 @@ void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) 
     const auto [col, row] = samples[k];
     const std::size_t i = page.index(col, row);
     here.at[k] = page.grid.at(col, row);
-    here.heights[k] = kept_.is_kept(page, i, here.at[k]) ? page.heights[i] : kept_.at(here.at[k]);
+    here.heights[k] = kept_.is_kept(page, i, here.at[k]) ? page.height(i) : kept_.at(here.at[k]);
     if (!page.covers.empty()) here.covers[k] = page.covers[i];
     // The codec decodes some number for a void that no triangle needs. It may lie far outside the range of heights.
     if (!page.is_data(i) && !is_height(here.heights[k])) here.heights[k] = 0;
@@ -30,50 +33,138 @@ bool AnswerBuilder::is_height(double code) const {
   return height >= d.minimum_height && height <= d.maximum_height;
 }
 
+void AnswerBuilder::take(const Page& page, const SquareBits& bits) {
+  OfSquare& here = squares_found_.emplace_back(&memory_);
+  here.first = {page.id.x * kPageSide, page.id.y * kPageSide};
+  here.base = page.base;
+  here.bits = bits;
+  std::size_t count = 0;
+  for (const auto& row : bits) count += static_cast<std::size_t>(std::popcount(row[0]) + std::popcount(row[1]));
+  constexpr std::size_t kWrittenBehind = 32;
+  here.numbers.resize(count + kWrittenBehind);
+  detail::eighths_kernel(instruction_set()).gather(page.squares.front().numbers, bits.data(), here.numbers.data());
+}
+
 RestrictedQuadtree AnswerBuilder::quadtree(GridRect region, VertexMask vertices) const {
   const Stopwatch gathering(cost_.gathering_seconds);
+  std::size_t count = 0;
+  for (const OfPage& page : pages_found_) count += page.at.size();
+  vertices.seal();
+  if (vertices.size() != count) {  // some border vertices lie amid voids, in pages that are not stored
+    vertices = VertexMask(vertices.region());
+    for (const OfPage& page : pages_found_) {
+      for (const GridPoint p : page.at) vertices.insert(p);
+    }
+  }
   const AnswerBuilder* const self = this;
   return quadtree({&self, 1}, region, std::move(vertices), 1);
+}
+
+void AnswerBuilder::write_squares(const VertexMask& vertices, std::span<double> heights) const {
+  const HeightStep& step = pages_.manifest().description.step;
+  for (const OfSquare& square : squares_found_) {
+    const std::int16_t* from = square.numbers.data();
+    for (std::int32_t row = 0; row < kPageSide; ++row) {
+      const auto& bits = square.bits[static_cast<std::size_t>(row)];
+      if ((bits[0] | bits[1]) == 0) continue;
+      const int col = bits[0] != 0 ? std::countr_zero(bits[0]) : 64 + std::countr_zero(bits[1]);
+      const int count = std::popcount(bits[0]) + std::popcount(bits[1]);
+      double* to = &heights[vertices.rank({square.first.col + col, square.first.row + row})];
+      for (int i = 0; i < count; ++i) to[i] = step.value(static_cast<double>(square.base + from[i]));
+      from += count;
+    }
+  }
+}
+
+void AnswerBuilder::write_pages(const VertexMask& vertices, RestrictedQuadtree& answer) const {
+  const HeightStep& step = pages_.manifest().description.step;
+  std::vector<std::uint32_t> ranks;
+  for (const OfPage& page : pages_found_) {
+    ranks.resize(page.at.size());
+    vertices.ranks(page.at, ranks);
+    for (std::size_t i = 0; i < ranks.size(); ++i) answer.heights[ranks[i]] = step.value(page.heights[i]);
+    for (std::size_t i = 0; !answer.covers.empty() && i < page.covers.size(); ++i)
+      answer.covers[ranks[i]] = page.covers[i];
+  }
 }
 
 RestrictedQuadtree AnswerBuilder::quadtree(std::span<const AnswerBuilder* const> parts, GridRect region,
                                            VertexMask vertices, int threads) {
   RestrictedQuadtree answer;
   answer.region = region;
-  std::size_t count = 0;
   bool all_covered = true;
   for (const AnswerBuilder* part : parts) {
-    for (const OfPage& page : part->pages_found_) {
-      count += page.at.size();
+    for (const OfPage& page : part->pages_found_)
       all_covered =
           all_covered && std::all_of(page.covers.begin(), page.covers.end(), [](std::uint8_t c) { return c == 15; });
-    }
   }
   vertices.seal();
-  if (vertices.size() != count) {  // some border vertices lie amid voids, in pages that are not stored
-    vertices = VertexMask(vertices.region());
-    for (const AnswerBuilder* part : parts) {
-      for (const OfPage& page : part->pages_found_) {
-        for (const GridPoint p : page.at) vertices.insert(p);
-      }
-    }
-    vertices.seal();
-  }
-  answer.heights.resize(count);
-  if (!all_covered) answer.covers.resize(count, 15);
-  for_each_task(threads, parts.size(), [&](int, std::size_t task) {
-    const AnswerBuilder& part = *parts[task];
-    const HeightStep& step = part.pages_.manifest().description.step;
-    std::vector<std::uint32_t> ranks;
-    for (const OfPage& page : part.pages_found_) {
-      ranks.resize(page.at.size());
-      vertices.ranks(page.at, ranks);
-      for (std::size_t i = 0; i < ranks.size(); ++i) answer.heights[ranks[i]] = step.value(page.heights[i]);
-      for (std::size_t i = 0; !all_covered && i < page.covers.size(); ++i) answer.covers[ranks[i]] = page.covers[i];
-    }
-  });
+  answer.heights.resize(vertices.size());
+  if (!all_covered) answer.covers.resize(vertices.size(), 15);
+  // Squares have vertices of coarser bands, too, which pages then write again.
+  for_each_task(threads, parts.size(),
+                [&](int, std::size_t task) { parts[task]->write_squares(vertices, answer.heights); });
+  for_each_task(threads, parts.size(), [&](int, std::size_t task) { parts[task]->write_pages(vertices, answer); });
   answer.vertices = std::move(vertices);
   return answer;
+}
+
+// ---- squares in masks --------------------------------------------------------------------------------
+
+namespace {
+
+/// visit(row of the square, words of the mask's row, the first word, bit in it): where the square's first column is, or
+/// the first one in the region; `skipped` columns of the square lie west of it.
+template <class Visit>
+void for_each_row_of(VertexMask& mask, GridPoint first, Visit&& visit) {
+  const GridRect& region = mask.region();
+  const std::int64_t at = std::int64_t{first.col} - region.first.col;
+  if (at <= -kPageSide) return;
+  const auto skipped = static_cast<int>(at < 0 ? -at : 0);
+  const auto col = static_cast<std::size_t>(at < 0 ? 0 : at);
+  const std::int32_t from = std::max(first.row, region.first.row);
+  const std::int32_t to =
+      static_cast<std::int32_t>(std::min<std::int64_t>(std::int64_t{first.row} + kPageSide - 1, region.last.row));
+  for (std::int32_t row = from; row <= to; ++row) {
+    const auto words = mask.row_words(row);
+    if (col / 64 < words.size())
+      visit(static_cast<std::size_t>(row - first.row), words.subspan(col / 64), static_cast<int>(col % 64), skipped);
+  }
+}
+
+using Bits = unsigned __int128;
+
+}  // namespace
+
+void insert_square(const SquareBits& bits, GridPoint first, bool shared, VertexMask& mask) {
+  for_each_row_of(mask, first, [&](std::size_t row, std::span<std::uint64_t> words, int bit, int skipped) {
+    const Bits all = (Bits{bits[row][1]} << 64 | bits[row][0]) >> skipped;
+    const std::uint64_t parts[] = {static_cast<std::uint64_t>(all << bit), static_cast<std::uint64_t>(all << bit >> 64),
+                                   bit == 0 ? 0 : static_cast<std::uint64_t>(all >> (128 - bit))};
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, words.size()); ++i) {
+      if (parts[i] == 0) continue;
+      if (shared) {
+        std::atomic_ref(words[i]).fetch_or(parts[i], std::memory_order_relaxed);
+      } else {
+        words[i] |= parts[i];
+      }
+    }
+  });
+}
+
+SquareBits square_of(VertexMask& mask, GridPoint first, bool shared) {
+  SquareBits bits{};
+  for_each_row_of(mask, first, [&](std::size_t row, std::span<std::uint64_t> words, int bit, int skipped) {
+    std::uint64_t parts[3] = {0, 0, 0};
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, words.size()); ++i)
+      parts[i] = shared ? std::atomic_ref(words[i]).load(std::memory_order_relaxed) : words[i];
+    Bits all = (Bits{parts[1]} << 64 | parts[0]) >> bit;
+    if (bit != 0) all |= Bits{parts[2]} << (128 - bit);
+    all <<= skipped;
+    bits[row][0] = static_cast<std::uint64_t>(all);
+    bits[row][1] = static_cast<std::uint64_t>(all >> 64);
+  });
+  return bits;
 }
 
 }  // namespace talus

@@ -1,10 +1,12 @@
 #pragma once
 // Collects the selected vertices of pages and makes an answer of them.
 
+#include <array>
 #include <memory_resource>
 #include <span>
 #include <vector>
 
+#include "engine/dense/square_bits.hpp"
 #include "engine/machine/large_memory.hpp"
 #include "query/pages/kept_heights.hpp"
 
@@ -14,6 +16,14 @@ namespace talus {
 struct PageSample {
   std::uint16_t col, row;
 };
+
+/// The bits of a page's square in a mask over a region, and back.
+/// `first` is the grid point of the square's first sample; its samples are grid points of spacing 1. Bits outside the
+/// region are 0.
+///
+/// shared  other threads may change other bits of the same words at the same time
+void insert_square(const SquareBits& bits, GridPoint first, bool shared, VertexMask& mask);
+[[nodiscard]] SquareBits square_of(VertexMask& mask, GridPoint first, bool shared);
 
 /// Collects vertices page by page, then makes a quadtree of them.
 class AnswerBuilder {
@@ -29,15 +39,19 @@ class AnswerBuilder {
   void take(const Page& page, std::size_t i, GridPoint p) {
     OfPage& here = pages_found_.back();
     here.at.push_back(p);
-    here.heights.push_back(kept_.is_kept(page, i, p) ? page.heights[i] : kept_.at(p));
+    here.heights.push_back(kept_.is_kept(page, i, p) ? page.height(i) : kept_.at(p));
     if (!page.covers.empty()) here.covers.push_back(page.covers[i]);
   }
   /// Adds all selected vertices of a page at once, without begin_page().
   void take(const Page& page, std::span<const PageSample> samples);
+  /// Adds the heights of many vertices of a dense page without voids and covers.
+  ///
+  /// bits  all vertices of the answer in the page's square; those of coarser bands must be added, too
+  void take(const Page& page, const SquareBits& bits);
 
   /// `vertices` holds the added vertices. Border vertices amid voids may be in it, too: the quadtree omits them.
   [[nodiscard]] RestrictedQuadtree quadtree(GridRect region, VertexMask vertices) const;
-  /// One quadtree of the vertices of several builders.
+  /// One quadtree of the vertices of several builders. `vertices` holds exactly these.
   [[nodiscard]] static RestrictedQuadtree quadtree(std::span<const AnswerBuilder* const> parts, GridRect region,
                                                    VertexMask vertices, int threads);
 
@@ -49,6 +63,17 @@ class AnswerBuilder {
     std::pmr::vector<std::uint8_t> covers;  ///< empty: all 15
   };
 
+  /// The vertices of a square.
+  struct OfSquare {
+    explicit OfSquare(std::pmr::memory_resource* memory) : numbers(memory) {}
+    GridPoint first{};      ///< of the square
+    std::int64_t base = 0;  ///< heights are more than the numbers by this
+    SquareBits bits{};
+    std::pmr::vector<std::int16_t> numbers;  ///< row by row
+  };
+  void write_squares(const VertexMask& vertices, std::span<double> heights) const;
+  void write_pages(const VertexMask& vertices, RestrictedQuadtree& answer) const;
+
   [[nodiscard]] bool is_height(double code) const;
   const StoredPages& pages_;
   QueryCost& cost_;
@@ -56,6 +81,7 @@ class AnswerBuilder {
   LargePages large_;
   std::pmr::monotonic_buffer_resource memory_;
   std::vector<OfPage> pages_found_;
+  std::vector<OfSquare> squares_found_;
 };
 
 }  // namespace talus

@@ -97,7 +97,7 @@ class Fitting {
   void count(const Page& page) {
     for_each_in(page.grid, region_, [&](std::size_t i, GridPoint p) {
       if (!page.is_own(p)) return;
-      const ErrorCode code = page.error(i, pages_.distance());
+      const ErrorCode code = error_code(page.error_m(i, pages_.distance()));
       if (code > 0 && !forced_.contains(key(p))) by_code_[code].add({1, triangles_added(page, i, p)});
     });
     for_each_child(page, region_, [&](PageId child, const ChildEntry& entry) {

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <type_traits>
 
+#include "engine/dense/kernels.hpp"
 #include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
 #include "engine/quadtree/border.hpp"
@@ -67,7 +70,6 @@ class RangeQuery {
  private:
   static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
   static constexpr std::size_t kTasksAThread = 8;
-  static constexpr std::int32_t kStretch = 32;  ///< samples that are tested together
 
   struct NothingNeeded {
     bool operator()(std::size_t) const { return false; }
@@ -95,6 +97,8 @@ class RangeQuery {
     PageCache::BorrowedDecoder decoder;
     Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< 1 for each sample of a page that the border needs
+    SquareBits selected{}, coarser{};     ///< of a dense page
+    detail::SortedSquare errors;          ///< of a dense page, without those that the border needs
   };
 
   /// The samples of the region in a page's square. The areas of all child pages add up to that of their parent page.
@@ -177,16 +181,83 @@ class RangeQuery {
   /// Selects the page's own vertices that are above the tolerance or that the border needs. An increment leaves out
   /// those that the border needs or that the coarser answer has.
   void select(const Page& page, Worker& worker) {
-    const auto forced = forced_.find({page.id.band, curve_position(page.id)});
-    if (forced == forced_.end() || forced->second.empty()) {
+    const auto found = forced_.find({page.id.band, curve_position(page.id)});
+    const std::span<const GridPoint> forced =
+        found == forced_.end() ? std::span<const GridPoint>() : std::span<const GridPoint>(found->second);
+    if (page.is_dense) return select_dense(page, forced, worker);
+    if (forced.empty()) {
       above_from_ ? choose<true>(page, worker, NothingNeeded()) : choose<false>(page, worker, NothingNeeded());
       for (const auto [col, row] : worker.chosen)
         worker.levels.take(page, page.index(col, row), page.grid.at(col, row));
     } else {
-      select_beside_border(page, forced->second, worker);
+      select_beside_border(page, forced, worker);
     }
     watch_.add_vertices(worker.chosen.size());
     insert(page.grid, worker.chosen);
+    worker.found.take(page, worker.chosen);
+  }
+
+  /// The same for a dense page: whole words of bits instead of samples.
+  void select_dense(const Page& page, std::span<const GridPoint> forced, Worker& worker) {
+    const GridPoint first{page.id.x * kPageSide, page.id.y * kPageSide};  // of the square
+    const GridRect part = common(region_, page_square(page.id));
+    const detail::SquarePart of_square{part.first.col - first.col, part.last.col - first.col,
+                                       part.first.row - first.row, part.last.row - first.row};
+    const detail::SortedSquare* errors = &page.squares.front().errors;
+    if (!forced.empty()) {  // they count neither as absent nor for levels
+      worker.errors = *errors;
+      for (const GridPoint p : forced)
+        worker.errors.numbers[detail::SortedSquare::index_of(p.col - first.col, p.row - first.row)] = -1;
+      errors = &worker.errors;
+    }
+    const auto select = [&](const Threshold& above, SquareBits& bits) {
+      constexpr std::int32_t kMost = std::numeric_limits<std::int16_t>::max();
+      return kernel_.select(*errors, static_cast<std::int16_t>(std::min(above.eighths(), kMost)), of_square,
+                            bits.data());
+    };
+    SquareBits& bits = worker.selected;
+    const detail::EighthsFound found = select(above_, bits);
+    worker.absent.distance = std::max(worker.absent.distance, found.largest_absent / 8.0);
+    if (above_from_) {
+      select(*above_from_, worker.coarser);
+      remove_coarser(page, worker);
+    } else {
+      for (int level = 0; level < kBandLevels; ++level) worker.levels.take(level, found.largest_selected[level] / 8.0);
+      for (const GridPoint p : forced) {
+        talus::insert(bits, p.col - first.col, p.row - first.row);
+        if (!above_(page, page.index(p))) ++worker.forced_alone;
+      }
+    }
+    take_selected(page, first, worker);
+  }
+
+  /// Takes what the coarser answer has out of what is selected. The largest errors of levels are then those of the rest.
+  static void remove_coarser(const Page& page, Worker& worker) {
+    for (std::size_t row = 0; row < worker.selected.size(); ++row) {
+      for (int word = 0; word < 2; ++word) worker.selected[row][word] &= ~worker.coarser[row][word];
+    }
+    for_each_bit(worker.selected, [&](int col, int row) {
+      const std::int16_t error = page.squares.front().errors.numbers[detail::SortedSquare::index_of(col, row)];
+      worker.levels.take(__builtin_ctz(static_cast<unsigned>(col | row)), error / 8.0);
+    });
+  }
+
+  void take_selected(const Page& page, GridPoint first, Worker& worker) {
+    std::uint64_t count = 0;
+    for (const auto& row : worker.selected)
+      count += static_cast<std::uint64_t>(std::popcount(row[0]) + std::popcount(row[1]));
+    watch_.add_vertices(count);
+    insert_square(worker.selected, first, threads_ > 1, vertices_);
+    if (page.valid.empty() && page.covers.empty()) {
+      // All pages above were read before, so their vertices in this square are in the mask.
+      worker.found.take(page, square_of(vertices_, first, threads_ > 1));
+      return;
+    }
+    worker.chosen.clear();
+    for_each_bit(worker.selected, [&](int col, int row) {
+      const GridPoint at = page.grid.local({first.col + col, first.row + row});
+      worker.chosen.push_back({static_cast<std::uint16_t>(at.col), static_cast<std::uint16_t>(at.row)});
+    });
     worker.found.take(page, worker.chosen);
   }
 
@@ -218,52 +289,36 @@ class RangeQuery {
     ErrorCode absent_code = worker.absent.code;
     // Tests for each sample whether its distance or its code is above the tolerance. Samples of other bands have
     // neither. The loop writes each sample, then keeps or overwrites it: a branch would be hard to predict.
-    const auto look = [&](auto&& distance_of, auto largest_within, auto largest_before, auto&& is_all_absent) {
+    const auto look = [&](auto&& distance_of, auto largest_within, auto largest_before) {
       auto largest_absent = largest_within;
       largest_absent = -1;
       for (std::int32_t row = first.row; row <= last.row; ++row) {
-        for (std::int32_t start = first.col; start <= last.col; start += kStretch) {
-          const std::int32_t end = std::min(start + kStretch - 1, last.col);
-          if (is_all_absent(page.index(start, row), static_cast<std::size_t>(end - start + 1), largest_absent))
-            continue;
-          for (std::int32_t col = start; col <= end; ++col) {
-            const std::size_t i = page.index(col, row);
-            const ErrorCode code = page.errors[i];
-            const auto distance = distance_of(i);
-            const bool is_above = (distance > largest_within) | (code > threshold), needed = is_needed(i);
-            const bool is_absent = !(is_above | needed);
-            bool is_chosen = !is_absent;
-            if (kIsIncrement)
-              is_chosen = is_above & !((distance > largest_before) | (code > threshold_before) | needed);
-            *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
-            next += is_chosen ? 1 : 0;
-            absent_code = std::max(absent_code, is_absent ? code : ErrorCode{0});
-            largest_absent = std::max(largest_absent, is_absent ? distance : decltype(distance)(-1));
-          }
+        for (std::int32_t col = first.col; col <= last.col; ++col) {
+          const std::size_t i = page.index(col, row);
+          const ErrorCode code = page.errors[i];
+          const auto distance = distance_of(i);
+          const bool is_above = (distance > largest_within) | (code > threshold), needed = is_needed(i);
+          const bool is_absent = !(is_above | needed);
+          bool is_chosen = !is_absent;
+          if (kIsIncrement) is_chosen = is_above & !((distance > largest_before) | (code > threshold_before) | needed);
+          *next = {static_cast<std::uint16_t>(col), static_cast<std::uint16_t>(row)};
+          next += is_chosen ? 1 : 0;
+          absent_code = std::max(absent_code, is_absent ? code : ErrorCode{0});
+          largest_absent = std::max(largest_absent, is_absent ? distance : decltype(distance)(-1));
         }
       }
       return static_cast<double>(largest_absent);
     };
-    constexpr bool kMayBeNeeded = !std::is_same_v<std::decay_t<IsNeeded>, NothingNeeded>;
-    const auto look_at_each = [](std::size_t, std::size_t, auto&) { return false; };
     double absent = -1;
-    if (page.eighths.empty() && !page.distances.empty()) {
-      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance(),
-                    kIsIncrement ? above_from_->distance() : 0.0, look_at_each);
-    } else if (page.eighths.empty()) {
-      look([](std::size_t) { return -1; }, 0, 0, look_at_each);
-    } else {
-      const auto glance = [&](std::size_t i, std::size_t count, std::int32_t& largest_absent) {
-        if (kMayBeNeeded) return false;
-        const LargestErrors largest = largest_errors({&page.errors[i], count}, {&page.eighths[i], count});
-        if (largest.code > threshold || largest.eighths > above_.eighths()) return false;
-        absent_code = std::max(absent_code, largest.code);
-        largest_absent = std::max(largest_absent, largest.eighths);
-        return true;
-      };
+    if (!page.eighths.empty()) {
       absent = look([&](std::size_t i) { return page.eighths[i]; }, above_.eighths(),
-                    kIsIncrement ? above_from_->eighths() : 0, glance) /
+                    kIsIncrement ? above_from_->eighths() : 0) /
                8;
+    } else if (!page.distances.empty()) {
+      absent = look([&](std::size_t i) { return page.distances[i]; }, above_.distance(),
+                    kIsIncrement ? above_from_->distance() : 0.0);
+    } else {
+      look([](std::size_t) { return -1; }, 0, 0);
     }
     worker.chosen.resize(static_cast<std::size_t>(next - worker.chosen.data()));
     worker.absent.code = absent_code;
@@ -304,6 +359,7 @@ class RangeQuery {
   Metres asked_;
   double tolerance_ = left_of(asked_);  ///< for stored heights, in metres
   int threads_;
+  const detail::EighthsKernel& kernel_ = detail::eighths_kernel(instruction_set());
   bool keeps_pages_ = pages_.would_keep(region_);  ///< the cache keeps them for the next question
   Threshold above_{tolerance_, pages_.distance()};
   std::optional<Threshold> above_from_;  ///< for an increment: selects the coarser answer
@@ -318,7 +374,7 @@ void copy_samples(const Page& page, const HeightStep& step, StoredSamples& store
   SampleWindow& to = stored.window;
   for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
     if (!to.region.contains(p) || !page.is_data(i)) return;
-    to.values[to.index(p)] = step.value(page.heights[i]);
+    to.values[to.index(p)] = step.value(page.height(i));
     to.valid[to.index(p)] = 1;
     if (page.is_dropped(i, p)) stored.dropped[to.index(p)] = 1;
   });

@@ -4,8 +4,6 @@
 #include <bit>
 #include <limits>
 
-#include "engine/machine/cpu.hpp"
-
 namespace talus {
 namespace {
 
@@ -25,16 +23,17 @@ double largest_distance_within(double tolerance_m, const CodeDistance& distance)
   }
 }
 
+constexpr std::int32_t kMostEighths = std::numeric_limits<std::int32_t>::max();
+
 /// A distance in height codes as eighths of a code, rounded down; -1 stays -1.
 std::int32_t largest_eighths_within(double largest_distance) {
   if (largest_distance < 0) return -1;
-  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
-  return largest_distance < kMost / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMost;
+  return largest_distance < kMostEighths / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMostEighths;
 }
 
 double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
   const Description& d = pages.manifest().description;
-  double metres = std::max(error_of(absent.code), d.kept_above().value);
+  double metres = std::max(pages.distance().up_to_eighths(absent.code), d.kept_above().value);
   if (absent.distance >= 0) metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
   const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance.value == 0;
   return metres + d.lossy.value + (heights_are_exact ? 0 : kDecimalRounding);
@@ -45,16 +44,10 @@ double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, do
 Threshold::Threshold(double tolerance_m, const CodeDistance& distance)
     : code_(largest_code_within(tolerance_m)),
       distance_(largest_distance_within(tolerance_m, distance)),
-      eighths_(largest_eighths_within(distance_)) {}
-
-TALUS_CLONES LargestErrors largest_errors(std::span<const ErrorCode> codes, std::span<const std::int32_t> eighths) {
-  ErrorCode code = 0;
-  std::int32_t distance = -1;
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    code = std::max(code, codes[i]);
-    distance = std::max(distance, eighths[i]);
-  }
-  return {code, distance};
+      eighths_(largest_eighths_within(distance_)) {
+  if (!distance.is_whole() || eighths_ < 0 || eighths_ == kMostEighths) return;
+  distance_ = eighths_ / 8.0;
+  code_ = largest_code_within(distance.metres(distance_));
 }
 
 LargestByLevel::LargestByLevel(GridRect extent)

@@ -11,6 +11,9 @@
 namespace talus {
 
 /// A tolerance as a code for stored errors, and as an exact distance for implied errors.
+///
+/// In a database of whole numbers all errors count as whole eighths of a height code (Page::error_m). So a tolerance
+/// counts as the largest number of eighths within it, and pages of both forms select the same vertices.
 class Threshold {
  public:
   /// tolerance_m  in metres, less the loss
@@ -18,6 +21,7 @@ class Threshold {
 
   /// Whether sample i is an own vertex of the page with an error above the tolerance.
   [[nodiscard]] bool operator()(const Page& page, std::size_t i) const {
+    if (page.is_dense) return page.dense_error(i) > eighths_;
     if (page.errors[i] > code_) return true;
     if (!page.eighths.empty()) return page.eighths[i] > eighths_;
     return !page.distances.empty() && page.distances[i] > distance_;
@@ -35,20 +39,15 @@ class Threshold {
   std::int32_t eighths_;
 };
 
-struct LargestErrors {
-  ErrorCode code = 0;
-  std::int32_t eighths = -1;
-};
-/// The largest error code and the largest implied distance of some samples in a row.
-[[nodiscard]] LargestErrors largest_errors(std::span<const ErrorCode> codes, std::span<const std::int32_t> eighths);
-
 /// The largest errors of the vertices that an answer leaves out.
 struct LargestAbsent {
   ErrorCode code = 0;
-  double distance = -1;  ///< the largest implied error, in height codes; -1: none
+  double distance = -1;  ///< the largest exact error, in height codes; below 0: none
 
   void take(const Page& page, std::size_t i) {
-    if (page.is_implied(i)) {
+    if (page.is_dense) {
+      distance = std::max(distance, page.dense_error(i) / 8.0);
+    } else if (page.is_implied(i)) {
       distance = std::max(distance, page.implied_distance(i));
     } else {
       code = std::max(code, page.errors[i]);
@@ -68,6 +67,11 @@ class LargestByLevel {
     LargestAbsent& level =
         levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)];
     level.take(page, i);
+  }
+  /// An exact error in height codes of a vertex of spacing 2 to the power `height`; below 0: none.
+  void take(int height, double distance) {
+    LargestAbsent& level = levels_[std::min<std::size_t>(static_cast<std::size_t>(height), levels_.size() - 1)];
+    level.distance = std::max(level.distance, distance);
   }
   void take(const LargestByLevel& others);
   [[nodiscard]] std::vector<double> metres(const StoredPages& pages) const;

@@ -12,8 +12,8 @@
 namespace talus {
 namespace {
 
-/// Calls code_at(place) for the places within the extent, page by page along the curve, so that each page is found
-/// once.
+/// Calls code_at(place) for the places within the extent along the curve, so that each page is found once, and each
+/// place is near the one before.
 template <class CodeAt>
 void by_page(const StoredPages& pages, std::span<const Position> points, std::span<std::optional<double>> out,
              CodeAt&& code_at) {
@@ -24,8 +24,9 @@ void by_page(const StoredPages& pages, std::span<const Position> points, std::sp
     return grid_place(description.mapping, longitudes.among(p, description.extent));
   };
   struct Asked {
-    std::uint64_t page;  ///< curve position in the finest band
+    std::uint64_t at;  ///< position of its cell on the curve
     std::size_t point;
+    Place place;
   };
   std::vector<Asked> order;
   order.reserve(points.size());
@@ -34,11 +35,11 @@ void by_page(const StoredPages& pages, std::span<const Position> points, std::sp
     const Place p = place_of(points[i]);
     if (!contains(description.extent, p)) continue;
     const GridPoint corner{static_cast<std::int32_t>(std::floor(p.col)), static_cast<std::int32_t>(std::floor(p.row))};
-    order.push_back({curve_position(page_of(corner, 0)), i});
+    order.push_back({curve_position({0, corner.col, corner.row}), i, p});
   }
-  std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.page < b.page; });
+  std::sort(order.begin(), order.end(), [](const Asked& a, const Asked& b) { return a.at < b.at; });
   for (const Asked& asked : order) {
-    const std::optional<double> code = code_at(place_of(points[asked.point]));
+    const std::optional<double> code = code_at(asked.place);
     if (code) out[asked.point] = description.step.value(*code);
   }
 }
@@ -81,7 +82,7 @@ class Samples {
     if (page == nullptr) return std::nullopt;
     const std::size_t i = page->index(p);
     if (!page->is_data(i)) return std::nullopt;
-    return page->heights[i];
+    return page->height(i);
   }
 
   NearbyPages nearby_;

@@ -11,6 +11,15 @@ namespace {
 
 bool inside(const Triangle& t, GridRect r) { return r.contains(t.apex) && r.contains(t.left) && r.contains(t.right); }
 
+/// Whether a place lies in a triangle and on none of its edges.
+bool is_inside(const Triangle& t, Place p) {
+  const auto side = [&](GridPoint a, GridPoint b) {
+    return (double(b.col) - a.col) * (p.row - a.row) - (double(b.row) - a.row) * (p.col - a.col);
+  };
+  const double first = side(t.apex, t.left), second = side(t.left, t.right), third = side(t.right, t.apex);
+  return (first > 0 && second > 0 && third > 0) || (first < 0 && second < 0 && third < 0);
+}
+
 /// The bit of a triangle in RestrictedQuadtree::covers: which of its apex's four triangles it is.
 unsigned bit_of(const Triangle& t) {
   const std::array<Triangle, 4> around = apex_triangles(t.apex);
@@ -75,11 +84,9 @@ bool Surface::is_selected(GridPoint p) {
   const ChildEntry& entry = nearby_.entry(id);
   // A vertex beside voids may belong to a page without data, which is not stored. No triangle with data needs it.
   if (!entry.present) return false;
-  if (entry.largest <= threshold_ && !border_.contains(p)) return false;  // without reading the page
+  if (!above_(entry.largest) && !border_.contains(p)) return false;  // without reading the page
   const Page& page = *nearby_.page(id);
-  const std::size_t i = page.index(p);
-  return page.errors[i] > threshold_ ||
-         (page.is_implied(i) && pages_.distance().metres(page.implied_distance(i)) > tolerance_) || border_.contains(p);
+  return above_(page, page.index(p)) || border_.contains(p);
 }
 
 std::optional<Facet> Surface::facet(const Triangle& t) {
@@ -98,11 +105,18 @@ double Surface::corner(GridPoint p) {
             pages_.file().string(), id.x, id.y, id.band);
   }
   const std::size_t i = page->index(p);
-  return kept_heights_ && !kept_heights_->is_kept(*page, i, p) ? kept_heights_->at(p) : page->heights[i];
+  return kept_heights_ && !kept_heights_->is_kept(*page, i, p) ? kept_heights_->at(p) : page->height(i);
 }
 
 std::optional<double> Surface::height(Place p) {
   if (!contains(extent_, p)) return std::nullopt;
+  // A place inside a triangle of the last path, not on its edges, is in no other triangle of that size.
+  while (!path_.empty() && !is_inside(path_.back(), p)) path_.pop_back();
+  if (!path_.empty()) {
+    const Triangle from = path_.back();
+    path_.pop_back();
+    return height(from, p);
+  }
   for (const Triangle& root : roots_) {
     const double half = 0.5 * root_side(extent_);
     const GridPoint middle = midpoint(root.left, root.right);
@@ -113,14 +127,17 @@ std::optional<double> Surface::height(Place p) {
       return static_cast<double>(right) * (row - root.left.row) - static_cast<double>(down) * (col - root.left.col);
     };
     if (side(p.col, p.row) * side(root.apex.col, root.apex.row) < 0) continue;
+    path_.clear();
     if (const auto found = height(root, p)) return found;
   }
   return std::nullopt;
 }
 
-std::optional<double> Surface::height(const Triangle& root, Place p) {
-  Triangle t = root;
-  while (is_split(t)) {
+std::optional<double> Surface::height(const Triangle& top, Place p) {
+  Triangle t = top;
+  for (;;) {
+    path_.push_back(t);
+    if (!is_split(t)) break;
     const SplitLine line(t);
     const double side = line.side(p);
     const Triangle left = left_half(t), right = right_half(t);

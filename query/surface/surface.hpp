@@ -13,6 +13,7 @@
 #include "query/pages/extent_border.hpp"
 #include "query/pages/kept_heights.hpp"
 #include "query/pages/nearby_pages.hpp"
+#include "query/selection/threshold.hpp"
 
 namespace talus {
 
@@ -63,7 +64,8 @@ class Surface {
   /// The plane of a triangle that is not split; empty if it has no data.
   [[nodiscard]] std::optional<Facet> facet(const Triangle& t);
 
-  /// The height code of a triangle at a place that has data.
+  /// The height code of a triangle at a place that has data. Places that follow each other on a curve are found from
+  /// the triangle before.
   [[nodiscard]] std::optional<double> height(Place p);
 
   /// The surface's bound in metres. It may be above the tolerance, see RestrictedQuadtree::bound.
@@ -80,10 +82,11 @@ class Surface {
   const Description& description_ = pages_.manifest().description;
   GridRect extent_ = description_.extent;
   double tolerance_;  ///< metres, minus the loss
-  ErrorCode threshold_ = largest_code_within(tolerance_);
+  Threshold above_{tolerance_, pages_.distance()};
   NearbyPages nearby_;
   std::optional<KeptHeights> kept_heights_;  ///< if some heights were dropped
   std::vector<Triangle> roots_;
+  std::vector<Triangle> path_;  ///< the triangles that hold the last place, from the root down
 };
 
 }  // namespace talus

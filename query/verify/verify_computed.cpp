@@ -29,7 +29,7 @@ struct Rules {
   const Manifest& manifest;
   const Description& description = manifest.description;
   GridRect extent = description.extent;
-  CodeDistance distance{description.step, description.metres_per_unit};
+  CodeDistance distance{description};
   GroundScale ground = Ground(description.crs).scale_of(description.mapping, extent);
   /// If not all samples were kept: errors up to this one may be stored as 0.
   std::optional<ErrorCode> dropped = description.kept_above().value > 0
@@ -58,33 +58,44 @@ std::optional<std::size_t> wrong_triangle(const Rules& rules, GridPoint p, std::
   return std::nullopt;
 }
 
+/// Whether a page, null if it is not stored, has an error as ingest would store it.
+/// implied  samples of a dense page whose errors follow from heights
+bool has_error(const Rules& rules, const Page* page, std::size_t i, const SquareBits& implied, ErrorCode error) {
+  if (page == nullptr) return error == 0;
+  if (!page->is_dense) return page->error(i, rules.distance) == error;
+  const auto at = static_cast<int>(page->in_square(i));
+  if (has(implied, at % kPageSide, at / kPageSide)) return page->error(i, rules.distance) == error;
+  return page->dense_error(i) == rules.distance.eighths(error_of(error));
+}
+
 /// The first difference between a page and error(p), covers(p), height(p), is_data(p) as computed; empty if there is
 /// none. A null page is one that is not stored.
 template <class Computed>
 std::string difference(const Rules& rules, const PageGrid& grid, PageId id, const Page* page,
                        const Computed& computed) {
   std::string found;
+  const SquareBits implied = page != nullptr && page->is_dense ? implied_places(data_samples(*page)) : SquareBits{};
   any_sample(grid, [&](std::size_t i, GridPoint p) {
     if (band_of(p, rules.manifest.bands) != id.band) return false;
     const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
     ErrorCode error = computed.error(p);
-    const ErrorCode said = page == nullptr ? ErrorCode{0} : page->error(i, rules.distance);
     if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
     const bool is_data = page != nullptr && page->is_data(i);
     const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
                                 : page->covers.empty() ? std::uint8_t{15}
                                                        : page->covers[i];
-    if (error != said) {
-      found = fmt::format("the error {} is {} m, but the samples give {} m", at(), error_of(said), error_of(error));
+    if (!has_error(rules, page, i, implied, error)) {
+      found = fmt::format("the error {} is {} m, but the samples give {} m", at(),
+                          page == nullptr ? 0 : page->error_m(i, rules.distance), error_of(error));
     } else if (is_data != computed.is_data(p)) {
       const char *sample = "a sample", *none = "no data";
       found = fmt::format("{} {}, expected {}", is_data ? sample : none, at(), is_data ? none : sample);
     } else if (const auto t = wrong_triangle(rules, p, covers, computed)) {
       found =
           fmt::format("triangle {} {} is wrongly marked as {}", *t, at(), (covers >> *t & 1) != 0 ? "valid" : "void");
-    } else if (covers != 0 && !page->is_dropped(i, p) && !is_same(page->heights[i], computed.height(p))) {
+    } else if (covers != 0 && !page->is_dropped(i, p) && !is_same(page->height(i), computed.height(p))) {
       const HeightStep& step = rules.description.step;
-      found = fmt::format("{} {} {}, but {} give {}", is_data ? "height" : "fill", step.value(page->heights[i]), at(),
+      found = fmt::format("{} {} {}, but {} give {}", is_data ? "height" : "fill", step.value(page->height(i)), at(),
                           is_data ? "records" : "the samples around it", step.value(computed.height(p)));
     }
     return !found.empty();
@@ -187,7 +198,7 @@ class TileChecks {
   void copy(const Page& page) {
     for_each_in(page.grid, window_, [&](std::size_t i, GridPoint p) {
       if (!page.is_data(i)) return;
-      codes_[index(p)] = page.heights[i];
+      codes_[index(p)] = page.height(i);
       valid_[index(p)] = 1;
     });
   }

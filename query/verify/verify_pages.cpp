@@ -67,6 +67,7 @@ class PageChecks {
     check_own(*found.page);
     check_against_above(*found.page);
     checked.entry = with_children(*found.page);
+    if (found.page->is_dense) find_largest(*found.page, checked);
     checked.entry.generation = found.generation;
   }
 
@@ -76,12 +77,30 @@ class PageChecks {
       findings_.in(page.id, "heights were left out, but the header says that all were kept");
     any_sample(page.grid, [&](std::size_t i, GridPoint p) {
       if (!page.is_own(p) || spacing(p) == kRootSpacing) return false;
-      const ErrorCode own = page.error(i, pages_.distance());
-      return own > dropped_ && !are_parents_above(page, p, own);
+      return page.error(i, pages_.distance()) > dropped_ &&
+             !are_parents_above(page, p, page.error_m(i, pages_.distance()));
     });
   }
+  static void find_largest(const Page& page, CheckedPage& checked) {
+    const SquareBits implied = implied_places(data_samples(page));
+    for (std::size_t i = 0; i < page.grid.size(); ++i) {
+      const auto at = static_cast<int>(page.in_square(i));
+      std::int32_t& largest =
+          has(implied, at % kPageSide, at / kPageSide) ? checked.largest_implied : checked.largest_stored;
+      largest = std::max(largest, page.dense_error(i));
+    }
+  }
+  /// Whether a code is the largest error of a page. A dense page has stored errors rounded up from their codes.
+  [[nodiscard]] bool is_largest(ErrorCode said, const CheckedPage& checked) const {
+    if (checked.largest_implied < 0 && checked.largest_stored < 0) return said == checked.entry.largest;
+    const CodeDistance& distance = pages_.distance();
+    const ErrorCode implied =
+        checked.largest_implied < 0 ? ErrorCode{0} : error_code(distance.metres(checked.largest_implied / 8.0));
+    const std::int64_t eighths = distance.eighths(error_of(said));
+    return said == implied ? checked.largest_stored <= eighths : said > implied && checked.largest_stored == eighths;
+  }
 
-  [[nodiscard]] bool are_parents_above(const Page& page, GridPoint p, ErrorCode own) {
+  [[nodiscard]] bool are_parents_above(const Page& page, GridPoint p, double own_m) {
     for (const GridPoint parent : diamond(p).apexes) {
       if (!extent_.contains(parent)) continue;
       const PageId id = page_of(parent, band_of(parent, manifest_.bands));
@@ -93,12 +112,12 @@ class PageChecks {
         other = found.page;
         there = other.get();
       }
-      const ErrorCode above = there == nullptr ? ErrorCode{0} : there->error(there->index(parent), pages_.distance());
-      if (above >= own) continue;
+      const double above_m = there == nullptr ? 0 : there->error_m(there->index(parent), pages_.distance());
+      if (above_m >= own_m) continue;
       findings_.in(page_square(id),
                    fmt::format("{}: the error at column {}, row {} is {} m, which is below the {} m of a vertex in {} "
                                "that depends on it",
-                               name_of(id), parent.col, parent.row, error_of(above), error_of(own), name_of(page.id)));
+                               name_of(id), parent.col, parent.row, above_m, own_m, name_of(page.id)));
       return false;
     }
     return true;
@@ -115,10 +134,10 @@ class PageChecks {
       const std::size_t there = above.index(p);
       const bool is_data = page.is_data(here), is_data_above = above.is_data(there);
       if (is_data == is_data_above &&
-          (!is_data || above.is_dropped(there, p) || is_same(page.heights[here], above.heights[there])))
+          (!is_data || above.is_dropped(there, p) || is_same(page.height(here), above.height(there))))
         return false;
       const auto text = [&](const Page& of, std::size_t i) {
-        return of.is_data(i) ? fmt::format("{}", manifest_.description.step.value(of.heights[i])) : std::string("void");
+        return of.is_data(i) ? fmt::format("{}", manifest_.description.step.value(of.height(i))) : std::string("void");
       };
       findings_.in(page.id, fmt::format("the sample at column {}, row {} is {}, but {} says {}", p.col, p.row,
                                         text(page, here), name_of(above.id), text(above, there)));
@@ -144,7 +163,7 @@ class PageChecks {
       if (is_there != said.present) {
         findings_.in(below, is_there ? "unknown to the page above it" : "missing");
       } else if (is_there) {
-        compare(below, said, found->second.entry);
+        compare(below, said, found->second);
       } else if (has_data_in(page, page_square(below))) {
         findings_.in(below, fmt::format("not stored, but {} has samples there", name_of(page.id)));
       }
@@ -153,8 +172,9 @@ class PageChecks {
     return entry;
   }
 
-  void compare(PageId below, const ChildEntry& said, const ChildEntry& found) {
-    if (said.largest != found.largest) {
+  void compare(PageId below, const ChildEntry& said, const CheckedPage& checked) {
+    const ChildEntry& found = checked.entry;
+    if (!is_largest(said.largest, checked)) {
       findings_.in(below, fmt::format("largest error {} m, but the page above it says {} m", error_of(found.largest),
                                       error_of(said.largest)));
     } else if (said.generation != found.generation) {

@@ -13,6 +13,8 @@ namespace talus {
 /// The result of checking a page.
 struct CheckedPage {
   ChildEntry entry;  ///< as the page above should have it; for band 1, the tile's record, too
+  /// Of a dense page: the largest errors in eighths, of those that follow from heights and of those that are stored.
+  std::int32_t largest_implied = -1, largest_stored = -1;
   bool is_readable = true;
 };
 using CheckedPages = std::unordered_map<std::uint64_t, CheckedPage>;  ///< by curve position

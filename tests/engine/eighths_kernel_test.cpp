@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/dense/kernels.hpp"
+#include "engine/dense/square_bits.hpp"
 #include "engine/page/page_errors.hpp"
 #include "tests/support/random.hpp"
 
@@ -119,6 +120,34 @@ TEST(Eighths, SelectWhatIsAboveInAnyPartOfASquareForEveryKernel) {
         EXPECT_EQ(found.largest_selected[level], by_samples.largest_selected[level]) << to_string(set);
       for (std::size_t i = 0; i < kSquare; ++i)
         ASSERT_EQ((rows[i / kSide][i % kSide / 64] >> (i % 64) & 1) != 0, expected[i]) << to_string(set) << " at " << i;
+    }
+  }
+}
+
+TEST(Eighths, GatherTheNumbersOfAllBitsRowByRowForEveryKernel) {
+  std::vector<std::int16_t> square(kSquare);
+  for (std::uint32_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    for (std::int16_t& number : square) number = static_cast<std::int16_t>(random.between(-32768, 32767));
+    const double share = seed == 0 ? 0 : seed == 1 ? 1 : random.log_between(0.001, 1);
+    SquareBits bits{};
+    std::vector<std::int16_t> expected;
+    for (int row = 0; row < kSide; ++row) {
+      for (int col = 0; col < kSide; ++col) {
+        if (!random.chance(share)) continue;
+        insert(bits, col, row);
+        expected.push_back(square[static_cast<std::size_t>(row * kSide + col)]);
+      }
+    }
+    for (const InstructionSet set : instruction_sets_here()) {
+      SCOPED_TRACE(static_cast<int>(set));
+      std::vector<std::int16_t> gathered(expected.size() + 33, 77);
+      ASSERT_EQ(detail::eighths_kernel(set).gather(square.data(), bits.data(), gathered.data()),
+                static_cast<int>(expected.size()));
+      EXPECT_EQ(gathered.back(), 77) << "at most 32 numbers behind the last one are written";
+      gathered.resize(expected.size());
+      ASSERT_EQ(gathered, expected);
     }
   }
 }

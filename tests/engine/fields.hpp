@@ -1,6 +1,7 @@
 #pragma once
 // Terrains as the error computation sees them, anywhere on the grid.
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +12,16 @@
 #include "tests/support/surfaces.hpp"
 
 namespace talus::support {
+
+inline Terrain whole(Terrain terrain) {
+  for (double& v : terrain.values) v = std::nearbyint(v);
+  return terrain;
+}
+/// As floats that are nearest to whole numbers over `per_unit`.
+inline Terrain rounded(Terrain terrain, double per_unit) {
+  for (double& v : terrain.values) v = static_cast<double>(static_cast<float>(std::nearbyint(v * per_unit) / per_unit));
+  return terrain;
+}
 
 /// The narrowest codes that hold a terrain's numbers.
 inline Codes codes_of(const std::vector<double>& values) {

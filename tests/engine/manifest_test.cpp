@@ -92,7 +92,7 @@ TEST(Manifest, EachFactOfACrsAndOfItsHeightsComesBackInItsPlace) {
   const Description back = decode_manifest(encode(m)).description;
   EXPECT_EQ(back.crs, d.crs);
   EXPECT_EQ(back.finest_tolerance.value, 0.75);
-  // The names under which a reader of another kind finds them: docs/format/v2.md.
+  // The names under which a reader of another kind finds them: docs/format/v3.md.
   const Json crs = json_of(m).at("crs");
   EXPECT_EQ(crs.at("epsg"), 4807);
   EXPECT_EQ(crs.at("metres_per_unit"), 0.9144);
@@ -150,7 +150,7 @@ TEST(Manifest, AnotherPageLayoutIsUnsupported) {
 
 TEST(Manifest, WhatIsNoHeaderIsCorrupt) {
   for (const char* text :
-       {"", "{", "[]", "null", "7", "{}", "{\"talus\": 2}", "{\"talus\": \"one\"}", "\xff\xfe", "{\"talus\": null}"}) {
+       {"", "{", "[]", "null", "7", "{}", "{\"talus\": 3}", "{\"talus\": \"one\"}", "\xff\xfe", "{\"talus\": null}"}) {
     try {
       static_cast<void>(decode_text(text));
       ADD_FAILURE() << "took " << text;

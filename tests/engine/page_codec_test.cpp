@@ -296,13 +296,18 @@ TEST(PageCodec, HeadersThatContradictThemselvesAreCorrupt) {
   EXPECT_TRUE(changed(0, 0, 1)) << "another version";
   EXPECT_TRUE(changed(0, 1, 9)) << "no such coding";
   EXPECT_TRUE(changed(0, 2, 32)) << "no such flag";
-  EXPECT_TRUE(changed(0, 2, 4 | 16)) << "covers that follow where there are none";
-  EXPECT_TRUE(changed(0, 2, 4 | 8)) << "pages below the finest";
-  EXPECT_TRUE(changed(1, 2, 4 | 1)) << "voids but no covers";
+  EXPECT_TRUE(changed(0, 2, 8)) << "covers that follow where there are none";
+  EXPECT_TRUE(changed(0, 2, 4)) << "pages below the finest";
+  EXPECT_TRUE(changed(1, 2, 1)) << "voids but no covers";
   EXPECT_TRUE(changed(2, 2, 3)) << "no table of pages below";
-  EXPECT_TRUE(changed(0, 3, 4)) << "no such kind of implied errors";
+  EXPECT_TRUE(changed(0, 3, 5)) << "no such form of errors";
+  EXPECT_TRUE(changed(0, 3, 4)) << "the dense form where codes are not whole";
   EXPECT_TRUE(changed(2, 3, 1)) << "implied errors in a coarse band";
   EXPECT_TRUE(changed(0, 4, 127)) << "another size";
+  EXPECT_TRUE(changed(0, 6, 3)) << "no such width";
+  EXPECT_TRUE(changed(0, 7, 1)) << "no such width";
+  EXPECT_TRUE(changed(0, 18, 1)) << "more bytes of heights than there are";
+  EXPECT_TRUE(changed(0, 20, 1)) << "eighths where errors are codes";
 }
 
 TEST(PageCodec, APageOfAnotherPlaceIsCorruptWhereItsSizeDiffers) {

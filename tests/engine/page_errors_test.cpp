@@ -20,15 +20,6 @@
 namespace talus::support {
 namespace {
 
-Terrain whole(Terrain terrain) {
-  for (double& v : terrain.values) v = std::nearbyint(v);
-  return terrain;
-}
-Terrain rounded(Terrain terrain, double per_unit) {
-  for (double& v : terrain.values) v = static_cast<double>(static_cast<float>(std::nearbyint(v * per_unit) / per_unit));
-  return terrain;
-}
-
 // ---- the definition, with no code of the kernel ------------------------------------------------------
 
 /// Twice the signed area.
@@ -83,7 +74,8 @@ class Definition {
 
 /// A finest page as ingest makes it, and what the decoder makes of its bytes.
 struct Packed {
-  Packed(const Field& field, PageId id) : extent(field.extent), distance(field.input.field.distance) {
+  /// distance  a code that may be any number: pages are not dense
+  Packed(const Field& field, PageId id, const CodeDistance& of_codes = {}) : extent(field.extent), distance(of_codes) {
     LevelGrid<ErrorCode> errors = reference_errors(field.input, levels_of(field.extent));
     saturate(field.input, errors);
     given.id = id;
@@ -239,15 +231,12 @@ TEST(PageErrors, OneThresholdSelectsASetClosedUnderParentsAcrossImpliedAndStored
     Terrain terrain = fractal(128, 128, seed, 60);
     if (seed % 2 == 0) terrain = void_blobs(terrain, 3, seed);
     const Field field(seed < 3 ? whole(terrain) : rounded(terrain, 10), {0, 0}, {1, 10, 0, true});
-    const Packed packed(field, {0, 0, 0});
+    const Packed packed(field, {0, 0, 0}, field.input.field.distance);
     const Page& page = packed.page;
     Random random(seed);
     for (int attempt = 0; attempt < 30; ++attempt) {
       const double tolerance = attempt == 0 ? 0 : random.log_between(0.01, 10);
-      const auto is_selected = [&](std::size_t i) {
-        return page.is_implied(i) ? packed.distance.metres(page.implied_distance(i)) > tolerance
-                                  : page.errors[i] > largest_code_within(tolerance);
-      };
+      const auto is_selected = [&](std::size_t i) { return page.error_m(i, packed.distance) > tolerance; };
       for (std::int32_t row = 0; row < 128; ++row) {
         for (std::int32_t col = 0; col < 128; ++col) {
           const GridPoint p{col, row};

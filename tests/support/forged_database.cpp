@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "tests/support/given_page.hpp"
+
 namespace talus::support {
 
 Forgery::Forgery(const std::filesystem::path& database) {
@@ -24,25 +26,13 @@ void Forgery::put(const Provenance& provenance) {
   stored[{kHeaderTable, kProvenancePosition}].content = encode(provenance);
 }
 
-CodeDistance Forgery::distance() const {
-  const Description d = manifest().description;
-  return {d.step, d.metres_per_unit};
-}
+CodeDistance Forgery::distance() const { return CodeDistance(manifest().description); }
 
 Page Forgery::page(PageId id) const {
   const Manifest m = manifest();
-  const CodeDistance distance(m.description.step, m.description.metres_per_unit);
+  const CodeDistance distance(m.description);
   static PageDecoder decoder;
-  Page page = decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content);
-  for (std::int32_t row = 0; row < page.grid.rows; ++row) {
-    for (std::int32_t col = 0; col < page.grid.cols; ++col) {
-      const std::size_t i = page.index(col, row);
-      if (page.is_own(page.grid.at(col, row))) page.errors[i] = page.error(i, distance);
-    }
-  }
-  page.eighths.clear();
-  page.distances.clear();
-  return page;
+  return given_page(decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content), distance);
 }
 
 void Forgery::put(const Page& page) { stored[key(page.id)].content = encoded(page, distance()); }

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""A second reader of Talus databases, which follows docs/format/v2.md and shares no code with the program.
+"""A second reader of Talus databases, which follows docs/format/v3.md and shares no code with the program.
 
 Only Python's standard library, and LMDB, xxHash and zstd through ctypes. Slow and plain: it is here to show that
-the document says enough. read_v2_test.py holds it against the program.
+the document says enough. read_v3_test.py holds it against the program.
 """
 
 import bisect
 import ctypes
 import ctypes.util
+import functools
 import json
 import math
 import struct
@@ -302,7 +303,171 @@ def unzigzag(z):
     return -(z + 1) // 2 if z & 1 else z // 2
 
 
-VOIDS, COVERS, ERRORS, CHILDREN = 48, 65, 67, 83  # first contexts; heights have those below
+VOIDS, COVERS, ERRORS, CHILDREN = 0, 17, 19, 35  # first contexts
+
+
+# ---- section 6: heights ------------------------------------------------------------------------------------
+
+
+SIDE = 128  # of a page's square
+CLASSES = 26
+
+
+def bits_of(content):
+    """The bits of a stream, as text of 0 and 1."""
+    return bin(int.from_bytes(content + b"\1", "little"))[:2:-1]
+
+
+def number_of(bits):
+    """The number whose lowest bit comes first."""
+    return int(bits[::-1], 2) if bits else 0
+
+
+class HeightNumbers:
+    """The numbers of a page's square: numbers[x + 128·y]."""
+
+    def __init__(self, content, width, stored):
+        self.w, self.stored, self.numbers = 8 * width, stored, [0] * SIDE**2
+        self.streams(content, self.corners(content))
+        for s in (4, 2, 1):
+            self.spacing(s)
+        require(self.high_at == len(self.high) - 1 and self.low_at == len(self.low), "bits left over in heights")
+        require(len(self.flags) < self.flag_at + 8 and "1" not in self.flags[self.flag_at :], "flags left over")
+        require(not self.apart, "numbers listed apart in another order")
+
+    def wrap(self, v):
+        half = 1 << self.w - 1
+        return (v + half & 2 * half - 1) - half
+
+    def corners(self, content):
+        """Section 6.1; returns how many bytes they take."""
+        at = 0
+        for y in range(0, SIDE, 8):
+            b = content[at]
+            require(b <= self.w, "bits of corners")
+            bits, at = bits_of(content[at + 1 : at + 1 + 2 * b]), at + 1 + 2 * b
+            for k, x in enumerate(range(0, SIDE, 8)):
+                before = (x - 8, y) if x else (0, y - 8) if y else None
+                number = self.numbers[before[0] + SIDE * before[1]] if before else 0
+                self.numbers[x + SIDE * y] = self.wrap(number + unzigzag(number_of(bits[k * b : k * b + b])))
+        return at
+
+    def streams(self, content, at):
+        """Section 6.3: what stands before the groups."""
+        self.shift, least, apart, high, flags, flagged = struct.unpack_from("<BBHHHI", content, at)
+        require(self.shift < self.w and least <= self.w - 16 and flagged >> CLASSES == 0, "head of heights")
+        self.flagged = [flagged >> q & 1 for q in range(CLASSES)]
+        self.low_bits = [least + (content[at + 12 + q // 2] >> 4 * (q % 2) & 15) for q in range(CLASSES)]
+        at += 25
+        self.apart = []
+        for _ in range(apart):
+            place, number = content[at : at + 2], content[at + 2 : at + 2 + self.w // 8]
+            self.apart.append((int.from_bytes(place, "little"), int.from_bytes(number, "little")))
+            at += 2 + self.w // 8
+        require(at + flags + high <= len(content), "streams of heights")
+        self.flags, self.flag_at = bits_of(content[at : at + flags]), 0
+        self.high, self.high_at = bits_of(content[at + flags : at + flags + high]).split("1"), 0  # zeros before each 1
+        self.low, self.low_at = content[at + flags + high :], 0
+
+    def spacing(self, s):
+        """Section 6.2: both passes of a spacing."""
+        m = SIDE // (2 * s)
+        places = range(m)
+        even = {(c, r): self.numbers[2 * c * s + SIDE * 2 * r * s] for r in places for c in places}
+        self.rim(even, m)
+        straight = self.bends(m, even, lambda c, r: (
+            even[c - 1, r] + even[c + 1, r], even[c, r - 1] + even[c, r + 1]))
+        for r in places:
+            self.row(s, (2 * r + 1) * s, 2 * s, [
+                self.predicted([(even[c + i, r + j], straight[c + i, r + j]) for j in (0, 1) for i in (0, 1)])
+                for c in places])
+        self.end_pass(s, True)
+
+        centres = {(c, r): self.numbers[(2 * c + 1) * s + SIDE * (2 * r + 1) * s] for r in places for c in places}
+        self.rim(centres, m)
+        diagonal = self.bends(m, even, lambda c, r: (
+            centres[c - 1, r - 1] + centres[c, r], centres[c, r - 1] + centres[c - 1, r]))
+        of_centre = self.bends(m, centres, lambda c, r: (
+            even[c, r] + even[c + 1, r + 1], even[c + 1, r] + even[c, r + 1]))
+        for r in places:
+            self.row(s, 2 * r * s, 2 * s, [
+                self.predicted([(even[c, r], diagonal[c, r]), (even[c + 1, r], diagonal[c + 1, r]),
+                                (centres[c, r - 1], of_centre[c, r - 1]), (centres[c, r], of_centre[c, r])])
+                for c in places])
+            self.row(0, (2 * r + 1) * s, 2 * s, [
+                self.predicted([(even[c, r], diagonal[c, r]), (even[c, r + 1], diagonal[c, r + 1]),
+                                (centres[c - 1, r], of_centre[c - 1, r]), (centres[c, r], of_centre[c, r])])
+                for c in places])
+        self.end_pass(s, False)
+
+    def rim(self, grid, m):
+        for r in range(m):
+            grid[-1, r] = self.wrap(2 * grid[0, r] - grid[1, r])
+            grid[m, r] = self.wrap(2 * grid[m - 1, r] - grid[m - 2, r])
+        for c in range(-1, m + 1):
+            grid[c, -1] = self.wrap(2 * grid[c, 0] - grid[c, 1])
+            grid[c, m] = self.wrap(2 * grid[c, m - 1] - grid[c, m - 2])
+
+    def bends(self, m, grid, pairs):
+        """{place: (sum of its two bends, sum of their sizes)}, for the rim, too; pairs(c, r): the sums of its pairs."""
+        found = {}
+        for r in range(m):
+            for c in range(m):
+                a, b = (self.wrap(pair - 2 * grid[c, r]) for pair in pairs(c, r))
+                found[c, r] = a + b, abs(a) + abs(b)
+        for k in range(-1, m + 1):
+            inside = min(max(k, 0), m - 1)
+            found[-1, k], found[m, k] = found[0, inside], found[m - 1, inside]
+            found[k, -1], found[k, m] = found[inside, 0], found[inside, m - 1]
+        return found
+
+    def predicted(self, near):
+        """(prediction, bent) from four numbers with their bends."""
+        (a, (sum_a, size_a)), (b, (sum_b, size_b)), (c, (sum_c, size_c)), (d, (sum_d, size_d)) = near
+        correction = self.wrap(3 * (sum_a + sum_b + sum_c + sum_d)) >> 4
+        number = self.wrap(a + (self.wrap(b + c + d - 3 * a - correction + 2) >> 2))
+        return number, (size_a + size_b + size_c + size_d) % (1 << self.w)
+
+    def row(self, x, y, step, predictions):
+        """Section 6.3: the groups of a row."""
+        largest, below = (1 << self.w) - 1, (1 << self.shift) - 1
+        for first in range(0, len(predictions), 16):
+            group = predictions[first : first + 16]
+            places = [x + (first + k) * step + SIDE * y for k in range(16)]
+            for place, (number, _) in zip(places, group):
+                self.numbers[place] = number
+            total = sum(min(min(bent + below, largest) >> self.shift, 255) for _, bent in group)
+            high = total.bit_length() - 1
+            self.group([p for p in places if self.stored[p]],
+                       total if total < 2 else 1 + 2 * high + (total >> high - 1 & 1))
+
+    def group(self, stored, of):
+        if not stored:
+            return
+        if self.flagged[of]:
+            self.flag_at += 1
+            require(self.flag_at <= len(self.flags), "too few flags of heights")
+            if self.flags[self.flag_at - 1] == "1":
+                return
+        n = self.low_bits[of]
+        size = (n * len(stored) + 7) // 8
+        require(self.low_at + size <= len(self.low), "too few low parts of heights")
+        require(self.high_at + len(stored) < len(self.high), "too few high parts of heights")
+        low = int.from_bytes(self.low[self.low_at : self.low_at + size], "little")
+        self.low_at += size
+        for place in stored:
+            z = len(self.high[self.high_at]) << n | low & (1 << n) - 1
+            low >>= n
+            self.high_at += 1
+            self.numbers[place] = self.wrap(self.numbers[place] + unzigzag(z))
+
+    def end_pass(self, s, centres):
+        while self.apart:
+            y, x = divmod(self.apart[0][0], SIDE)
+            if power(x | y) != s or bool(x & s and y & s) != centres:
+                break
+            place, number = self.apart.pop(0)
+            self.numbers[place] = self.wrap(number)
 
 
 def position(x, y):
@@ -333,28 +498,44 @@ class Page:
 
     def decode(self, content):
         n = self.cols * self.rows
-        version, coding, flags, self.implied, cols, rows, base = struct.unpack_from("<BBBBHHq", content)
-        require(version == 2 and coding <= 8 and flags <= 63 and self.implied <= 3, "page header")
+        version, coding, flags, form, cols, rows, width, base, heights, eighths = struct.unpack_from("<6BHqIH", content)
+        require(version == 3 and coding <= 8 and flags <= 31 and form <= 4 and width in (2, 4, 8), "page header")
         require((cols, rows) == (self.cols, self.rows), "page size")
-        self.coding = coding
-        numbers = Numbers(content[16:])
-        self.last = self.band == self.database.bands - 1
+        require(form in (0, 1, 3) or coding == 0 and width <= 4, "form of errors")
+        require(form != 4 or width == 2 and self.database.integer, "form of errors")
+        require((eighths > 0) == (form == 4), "length of the errors in eighths")
+        require(bool(flags & 4) == (self.band > 0), "child entries")
+        require(22 + heights + eighths <= len(content), "parts of a page")
+        self.coding, self.form, self.width, self.drops = coding, form, width, bool(flags & 16)
+        self.errors, self.distances, self.heights = {}, {}, None
+        self.offset = self.col % self.database.side, self.row % self.database.side
+
+        heights, content = content[22 : 22 + heights], content[22 + heights :]
+        eighths, rest = content[:eighths], content[eighths:]
+        numbers = Numbers(rest) if form != 4 or flags & 7 else None
+        require(numbers or not rest, "bytes behind a page")
         self.valid = self.voids(numbers) if flags & 1 else [1] * n
-        self.covers = self.all_covers(numbers, flags & 16) if flags & 2 else [15] * n
-        needed = [v or (flags & 1 and c) for v, c in zip(self.valid, self.covers)]
-        self.distances, self.errors, self.heights, self.drops = {}, {}, None, bool(flags & 32)
+        self.covers = self.all_covers(numbers, flags & 8) if flags & 2 else [15] * n
+        self.below = self.children(numbers) if flags & 4 else []
         if self.drops:
-            require(self.implied == 0, "implied errors of a page that drops heights")
+            require(form == 0, "implied errors of a page that drops heights")
             self.all_errors(numbers)
-            for i, p in self.points():
-                if self.errors.get(i) == 0 and not self.database.is_near_border(p):
-                    needed[i] = 0
-        found = self.numbers(numbers, needed, 32 if flags & 4 else 64)
-        self.heights = [height_code(signed(base + k), coding) if need else 0.0 for k, need in zip(found, needed)]
-        self.below = self.children(numbers) if flags & 8 else []
-        if not self.drops:
+
+        stored, places = [False] * SIDE**2, []
+        for i, p in self.points():
+            places.append(self.offset[0] + i % cols + SIDE * (self.offset[1] + i // cols))
+            dropped = self.drops and self.errors.get(i) == 0 and not self.database.is_near_border(p)
+            stored[places[i]] = bool(self.valid[i] or flags & 1 and self.covers[i]) and not dropped
+        square = HeightNumbers(heights, width, stored).numbers
+        self.numbers = [square[place] for place in places]
+        self.heights = [height_code(signed(base + square[place]), coding) if stored[place] else 0.0 for place in places]
+
+        if form == 4:
+            self.all_eighths(eighths)
+        elif not self.drops:
             self.all_errors(numbers)
-        numbers.finish()
+        if numbers:
+            numbers.finish()
         return self
 
     def all_errors(self, numbers):
@@ -369,17 +550,62 @@ class Page:
                 require(above <= 4001, "an error beyond the ladder")
                 self.errors[i] = (least + above) % 4002
 
+    def all_eighths(self, content):
+        """Section 7.2."""
+        vertices = []
+        for i, p in self.levels():
+            if self.is_implied(i, p):
+                self.distances[i] = self.distance(i, p)
+            else:
+                vertices.append((i, p))
+        if not vertices:
+            return require(content == b"\0", "errors in eighths of a page without any")
+        bits = bits_of(content)
+        low_bits = [number_of(bits[4 * k : 4 * k + 4]) for k in range(6)]
+        require(max(low_bits) <= 14, "low bits of errors in eighths")
+        flags, at = bits[24 : 24 + len(vertices)], 24 + len(vertices)
+        require(len(flags) == len(vertices), "too few flags of errors in eighths")
+        for flag, (i, p) in zip(flags, vertices):
+            eighths = self.least_eighths(i, p)
+            if flag == "1":
+                zeros = bits.find("1", at, at + 24) - at
+                if zeros >= 0:
+                    n = low_bits[2 * (self.spacing(p).bit_length() - 1) + self.is_centre(p)]
+                    number, at = zeros << n | number_of(bits[at + zeros + 1 : at + zeros + 1 + n]), at + zeros + 1 + n
+                else:
+                    number, at = number_of(bits[at + 24 : at + 39]), at + 39
+                eighths += number + 1
+            require(eighths <= 32767, "an error beyond 16 bits")
+            self.distances[i] = eighths / 8
+        require(len(bits) - 8 < at <= len(bits) and "1" not in bits[at:], "bits of errors in eighths")
+
+    def least_eighths(self, i, p):
+        least = 0
+        a, b = (self.index(q) for q in diamond(p)[0])
+        counts = spacing(p) > 1 or self.is_centre(p)
+        if counts and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
+            least = 4 * abs(sum(signed(self.numbers[q] - self.numbers[i], 16) for q in (a, b)))
+        return max([min(least, 32767)] + [int(8 * self.distances[q]) for q in map(self.index, self.below_vertex(p))
+                                          if q is not None])
+
     def error(self, i):
         """In metres; None where another page has it."""
         if i in self.distances:
             return self.database.metres(self.distances[i])
-        return LADDER[self.errors[i]] if i in self.errors else None
+        return self.database.counted(self.errors[i]) if i in self.errors else None
 
     # In units, and in the page: None where it is not.
 
     def index(self, p):
         c, r = p[0] - self.col, p[1] - self.row
         return r * self.cols + c if 0 <= c < self.cols and 0 <= r < self.rows else None
+
+    def square(self, p, reach):
+        """The rows of the square of ± reach around p, 1 for data; None if it leaves the page."""
+        first, last = self.index((p[0] - reach, p[1] - reach)), self.index((p[0] + reach, p[1] + reach))
+        if first is None or last is None:
+            return None
+        return [self.valid[k : k + 2 * reach + 1] for k in range(first, last + 1, self.cols)]
 
     def spacing(self, p):
         return spacing(p)
@@ -420,10 +646,13 @@ class Page:
         covers = [0] * (self.cols * self.rows)
         for i, p in self.levels():
             s = spacing(p)
-            inside = self.index((p[0] - s, p[1] - s)) is not None and self.index((p[0] + s, p[1] + s)) is not None
-            guess = 15
-            if s < self.database.side:
-                guess = sum(self.seems_data(p, k, covers) << k for k in range(4))
+            square = self.square(p, s)
+            inside = square is not None
+            data = sum(map(sum, square)) if inside else None
+            if s >= self.database.side or data == (2 * s + 1) ** 2:
+                guess = 15
+            else:
+                guess = 0 if data == 0 else sum(self.seems_data(p, k, covers) << k for k in range(4))
             change = 0 if inside and inner_follow else numbers.get(COVERS + (not inside))
             covers[i] = change ^ guess
             require(covers[i] <= 15, "covers")
@@ -440,70 +669,6 @@ class Page:
         if i is None:
             return True
         return (covers[i] >> (0 if diamond(split)[1][0] == p else 2) & 3) != 0
-
-    def numbers(self, reader, needed, bits):
-        """Section 6: undoes the prediction, over the whole square."""
-        S = self.database.side
-        u, v = self.col % S, self.row % S
-        square = {}
-
-        def take(c, r, predicted, context):
-            i = (r - v) * self.cols + c - u
-            if not (u <= c < u + self.cols and v <= r < v + self.rows and needed[i]):
-                return predicted
-            return signed(predicted + unzigzag(reader.get(context)), bits)
-
-        def wrap(k):
-            return signed(k, bits)
-
-        def rim(grid, m):
-            """A grid of m × m with its rim: index −1 to m + 1."""
-            def on(a, b):
-                return wrap(2 * a - b) if m > 1 else a
-            for r in range(m):
-                grid[-1, r] = on(grid[0, r], grid[min(1, m - 1), r])
-                grid[m, r] = on(grid[m - 1, r], grid[max(m - 2, 0), r])
-                grid[m + 1, r] = on(grid[m, r], grid[m - 1, r])
-            for c in range(-1, m + 2):
-                grid[c, -1] = on(grid[c, 0], grid[c, min(1, m - 1)])
-                grid[c, m] = on(grid[c, m - 1], grid[c, max(m - 2, 0)])
-                grid[c, m + 1] = on(grid[c, m], grid[c, m - 1])
-
-        def predict(at):
-            """at(i, j): the one i along one diagonal axis and j along the other: the square 0..1 × 0..1, around it."""
-            near = [at(i, j) for i in (0, 1) for j in (0, 1)]
-            bends = [wrap(at(i + di, j + dj) - 2 * at(i, j) + at(i - di, j - dj))
-                     for i in (0, 1) for j in (0, 1) for di, dj in ((2 * i - 1, 0), (0, 2 * j - 1))]
-            predicted = wrap(16 * sum(near) - 3 * sum(bends) + 32) >> 6
-            bent = min((1 + sum(abs(b) for b in bends)) % (1 << bits), (1 << 24) - 1)
-            length = bent.bit_length()
-            context = max(0, 2 * (length - 1) + (bent >> max(length - 2, 0) & 1 if length > 1 else 0))
-            return predicted, context
-
-        even, m = {(0, 0): take(0, 0, 0, 47)}, 1
-        while m < S:
-            s = S // (2 * m)
-            rim(even, m)
-            centres = {}
-            for r in range(m):
-                for c in range(m):
-                    centres[c, r] = take((2 * c + 1) * s, (2 * r + 1) * s, *predict(lambda i, j: even[c + i, r + j]))
-            rim(centres, m)
-
-            def turned(x, y):
-                """The grid of even ones and centres, in steps of s."""
-                return centres[x // 2, y // 2] if x % 2 else even[x // 2, y // 2]
-
-            full = {(2 * c, 2 * r): even[c, r] for r in range(m) for c in range(m)}
-            full.update({(2 * c + 1, 2 * r + 1): centres[c, r] for r in range(m) for c in range(m)})
-            for down in (0, 1):
-                for r in range(m):
-                    for c in range(m):
-                        x, y = 2 * c + 1 - down, 2 * r + down
-                        # west, north, south and east are the corners of the turned square
-                        full[x, y] = take(x * s, y * s, *predict(lambda i, j: turned(x - 1 + i + j, y + j - i)))
-            even, m = full, 2 * m
-        return [even[u + c, v + r] for r in range(self.rows) for c in range(self.cols)]
 
     def children(self, numbers):
         def moved(f, context):
@@ -529,34 +694,31 @@ class Page:
 
     def is_implied(self, i, p):
         s, centre = spacing(p), self.is_centre(p)
-        if s > (0, 1, 4, 4)[self.implied]:
+        if s > (0, 1, 4, 4, 4)[self.form]:
             return False
         if s == 1 and not centre:
             ends, apexes = diamond(p)
             return self.is_data(p) and all(map(self.is_data, ends)) and any(map(self.is_data, apexes))
         reach = {(1, True): 1, (2, False): 2, (2, True): 4, (4, False): 6, (4, True): 10}[s, centre]
-        around = range(-reach, reach + 1)
-        return all(self.is_data((p[0] + x, p[1] + y)) for x in around for y in around)
+        square = self.square(p, reach)
+        return square is not None and all(map(all, square))
 
     def distance(self, i, p):
         """The largest over the diamond and what is below, in height codes."""
-        def height(q):
-            return self.heights[self.index(q)]
-
         (a, b), apexes = diamond(p)
         largest = max([self.distances[self.index(q)] for q in self.below_vertex(p)], default=0)
-        if self.implied == 1:
-            return max(largest, rounded_up(height(p), height(a), height(b)))
+        h = self.heights
+        if self.form == 1:
+            return max(largest, rounded_up(h[i], h[self.index(a)], h[self.index(b)]))
         if spacing(p) == 1:
-            return max(largest, abs(height(p) - (height(a) + height(b)) / 2))
-        for t in ((apexes[0], a, b), (apexes[1], a, b)):
-            area = cross(*t)
-            for y in range(min(q[1] for q in t), max(q[1] for q in t) + 1):
-                for x in range(min(q[0] for q in t), max(q[0] for q in t) + 1):
-                    w = [cross((x, y), t[1], t[2]), cross(t[0], (x, y), t[2]), cross(t[0], t[1], (x, y))]
-                    if all(k * area >= 0 for k in w):
-                        surface = sum(k * height(q) for k, q in zip(w, t)) / area  # a power of two: exact
-                        largest = max(largest, abs(height((x, y)) - surface))
+            return max(largest, abs(h[i] - (h[self.index(a)] + h[self.index(b)]) / 2))
+        for apex in apexes:
+            corners = [(q[0] - p[0], q[1] - p[1]) for q in (apex, a, b)]
+            area, samples = samples_in(*corners)
+            ha, hb, hc = (h[i + x + y * self.cols] for x, y in corners)
+            for x, y, wa, wb, wc in samples:
+                surface = (wa * ha + wb * hb + wc * hc) / area  # a power of two: exact
+                largest = max(largest, abs(h[i + x + y * self.cols] - surface))
         return largest
 
     def least(self, i, p):
@@ -577,6 +739,18 @@ class Page:
 
 def cross(a, b, c):
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+@functools.lru_cache(None)
+def samples_in(a, b, c):
+    """Twice a triangle's area, and (x, y, weights of the corners) of all samples in it."""
+    area, samples = cross(a, b, c), []
+    for y in range(min(a[1], b[1], c[1]), max(a[1], b[1], c[1]) + 1):
+        for x in range(min(a[0], b[0], c[0]), max(a[0], b[0], c[0]) + 1):
+            weights = [cross((x, y), b, c), cross(a, (x, y), c), cross(a, b, (x, y))]
+            if all(w * area >= 0 for w in weights):
+                samples.append((x, y, *weights))
+    return area, samples
 
 
 def rounded_up(h, a, b):
@@ -626,11 +800,13 @@ class Database:
         found = self.tables.get(-1, 0)
         require(found is not None, "no header")
         m = self.manifest = json.loads(found[0])
-        require(m["talus"] == 2, "another version")
+        require(m["talus"] == 3, "another version")
         layout, step = m["layout"], m["step"]
+        self.integer = step["integer"] and m["errors"].get("finest_tolerance", 0.0) == 0
         self.children, self.side, self.bands = 2 ** layout["band_levels"], layout["page_side"], layout["bands"]
         self.extent = m["extent"]
-        require(m["errors"]["kind"] == "exact" and m["errors"]["metric"] in ("vertical", "perpendicular"), "other errors")
+        require(m["errors"]["kind"] == "exact", "errors of another kind")
+        require(m["errors"]["metric"] in ("vertical", "perpendicular"), "errors of another metric")
         self.lossy = m["errors"]["lossy_bound"]
         self.kept_above = max(m["errors"].get("finest_tolerance", 0.0) - self.lossy, 0.0)
         self.root = 1
@@ -641,7 +817,7 @@ class Database:
                 "number of bands")
         scale, per_unit = abs(step["scale"]), m["vertical"]["metres_per_unit"]
         whole = math.floor(1 / scale + 0.5)
-        fraction = scale < 1 and abs(scale * whole - 1) < 1e-14
+        fraction = scale < 1 and abs(scale * whole - 1) < 3e-16
         self.factor = (1 if fraction else scale) * per_unit
         self.divisor = step["divisor"] * (whole if fraction else 1)
         self.pages = {}
@@ -662,6 +838,18 @@ class Database:
     def metres(self, distance):
         return distance * self.factor / self.divisor
 
+    def counted(self, code):
+        """Section 7: what an error code counts as, in metres."""
+        metres = LADDER[code]
+        if not self.integer or code in (0, 4001):
+            return metres
+        k = math.ceil(metres * self.divisor / self.factor * 8)  # or one beside it
+        while self.metres((k - 1) / 8) >= metres:
+            k -= 1
+        while self.metres(k / 8) < metres:
+            k += 1
+        return self.metres(k / 8)
+
     def walk(self, region, wanted):
         """The pages that overlap a region, from the top; wanted(band, x, y, largest error) says which."""
 
@@ -676,7 +864,7 @@ class Database:
             for k, (stored, largest, _, _, written) in enumerate(page.below):
                 j, i = divmod(k, self.children)
                 child = band - 1, x * self.children + i, y * self.children + j
-                if stored and overlaps(*child) and wanted(*child, LADDER[largest]):
+                if stored and overlaps(*child) and wanted(*child, self.counted(largest)):
                     yield from visit(*child, written)
 
         top = self.bands - 1
@@ -749,8 +937,9 @@ class Database:
                 return 0.0
             page = self.page(*key, 0)
         i = page.index((p[0] // unit, p[1] // unit))
-        code = page.errors[i] if i in page.errors else bisect.bisect_left(LADDER, page.error(i))
-        if self.kept_above == 0 or LADDER[code] > self.kept_above or self.is_near_border(p):
+        error = LADDER[page.errors[i]] if i in page.errors else page.error(i)
+        if (self.kept_above == 0 or error > LADDER[bisect.bisect_right(LADDER, self.kept_above) - 1] or
+                self.is_near_border(p)):
             return page.heights[i]
         a, b = diamond(p)[0]
         return self.kept_height(a) / 2 + self.kept_height(b) / 2

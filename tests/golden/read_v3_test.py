@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Holds read_v2.py against the program: read_v2_test.py TALUS SCRATCH
+"""Holds read_v3.py against the program: read_v3_test.py TALUS SCRATCH
 
-Rasters of every coding of heights, with and without voids, and databases of several inputs, of an update and of
-rounded heights go through the program; the second reader must find every sample bit for bit, for regions and tolerances
-the very triangles of the program's answer, the file's seal whole and its records in agreement with its pages. Exits
-with 77, after saying why, where a library is missing.
+Rasters of every coding of heights and of every form of errors, with and without voids, and databases of several inputs,
+of an update and of rounded heights go through the program; the second reader must find every sample bit for bit, for
+regions and tolerances the very triangles of the program's answer, the file's seal whole and its records in agreement
+with its pages. Exits with 77, after saying why, where a library is missing.
 """
 
 import math
@@ -14,7 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import read_v2
+import read_v3
 
 VOID = -32768
 KEPT = 150.0  # metres
@@ -48,7 +48,12 @@ def special(rows):
     return [[draw.choice((0.0, -0.0, h / 3, -h, 2.0**-149, -(2.0**-140), 1e6)) for h in row] for row in rows]
 
 
-# name: ENVI's number of the sample type, struct's letter, rows
+def with_cliffs(rows, height):
+    return [[h + height if h != VOID and (c // 23 + r // 46) % 2 else h for c, h in enumerate(row)]
+            for r, row in enumerate(rows)]
+
+
+# name: ENVI's number of the sample type, struct's letter, rows, options of ingest
 def rasters():
     yield "int16", 2, "h", each(mountains(150, 140, 1), round)
     yield "int16_voids", 2, "h", with_voids(each(mountains(150, 140, 2), round), 2)
@@ -56,6 +61,11 @@ def rasters():
     yield "int16_small", 2, "h", each(mountains(5, 9, 4), round)
     yield "int16_line", 2, "h", each(mountains(40, 1, 5), round)
     yield "int16_four_bands", 2, "h", each(mountains(8300, 2, 14), round)
+    yield "int16_steps", 2, "h", [[c // 40 + r // 50 for c in range(150)] for r in range(140)]
+    yield "int16_cliffs", 2, "h", with_voids(with_cliffs(each(mountains(150, 140, 18), round), 5000), 18)
+    yield "int16_feet", 2, "h", with_voids(each(mountains(150, 140, 19), round), 19), "--vertical-unit", "foot"
+    yield "int32_cliffs", 3, "i", with_cliffs(each(mountains(150, 140, 20), round), 60000)
+    yield "int32_high_cliffs", 3, "i", with_cliffs(each(mountains(150, 70, 21), round), 200000)
     yield "float32_decimetres", 4, "f", with_voids(each(mountains(140, 60, 6), lambda h: round(h, 1)), 6)
     yield "float32_millimetres", 4, "f", each(mountains(70, 131, 7), lambda h: round(h, 3))
     yield "float32_any", 4, "f", mountains(140, 50, 8)
@@ -105,10 +115,10 @@ def bits(height):
     return struct.pack("<d", height)
 
 
-def check_one(program, folder, name, number, letter, rows):
+def check_one(program, folder, name, number, letter, rows, *options):
     raster, file = folder / (name + ".bin"), folder / (name + ".talus")
     write(raster, number, letter, rows)
-    talus(program, "ingest", "--overwrite", raster, file)
+    talus(program, "ingest", "--overwrite", *options, raster, file)
     return check(program, file, placed(rows, letter))
 
 
@@ -125,20 +135,25 @@ def check_several(program, folder):
     write(folder / "rounded.bin", 2, "h", first)
     rounded = folder / "int16_rounded.talus"
     talus(program, "ingest", "--overwrite", "--height-step", 2.5, folder / "rounded.bin", rounded)
-    kept = folder / "int16_kept.talus"
-    write(folder / "kept.bin", 2, "h", with_voids(each(mountains(400, 300, 17), round), 17))
-    talus(program, "ingest", "--overwrite", "--tolerance", KEPT, folder / "kept.bin", kept)
-    check_kept(program, kept, placed(with_voids(each(mountains(400, 300, 17), round), 17), "h"))
-    codings = check(program, joined, expected) + check(program, updated, expected, generation=1)
-    return codings + check(program, rounded, placed(first, "h"), lossy=1.25)
+    # Some pages drop heights and others do not. In feet a rung of the ladder lies between eighths of a foot.
+    for name, rows, tolerance, *options in (
+            ("int16_kept", with_voids(each(mountains(400, 300, 17), round), 17), KEPT),
+            ("int16_kept_in_feet", each(mountains(260, 250, 22), lambda h: round(h / 20)), 0.93, "--vertical-unit", "foot")):
+        write(folder / (name + ".bin"), 2, "h", rows)
+        kept = folder / (name + ".talus")
+        talus(program, "ingest", "--overwrite", "--tolerance", tolerance, *options, folder / (name + ".bin"), kept)
+        talus(program, "verify", kept)
+        check_kept(program, kept, placed(rows, "h"), tolerance)
+    seen = check(program, joined, expected) | check(program, updated, expected, generation=1)
+    return seen | check(program, rounded, placed(first, "h"), lossy=1.25)
 
 
-def check_kept(program, file, expected):
-    """A database that keeps the vertices of KEPT metres: its answers, and that some pages hold few heights and some all."""
-    database = read_v2.Database(file)
+def check_kept(program, file, expected, tolerance):
+    """A database that keeps the vertices of a tolerance: its answers, and that some pages drop heights."""
+    database = read_v3.Database(file)
     answers = check_answers(program, file, database)
     c0, r0, c1, r1 = database.extent
-    _, heights = database.mesh([c0, r0, c1, r1], KEPT)
+    _, heights = database.mesh([c0, r0, c1, r1], tolerance)
     for p, z in heights.items():
         if p in expected and z != expected[p]:
             sys.exit("%s: vertex %s of the finest answer has %g, the raster has %g" % (file.stem, p, z, expected[p]))
@@ -192,18 +207,19 @@ def check_records(database, found):
 
 def check(program, file, expected, generation=0, lossy=0.0):
     name = file.stem
-    database = read_v2.Database(file)
-    if not read_v2.seal_is_whole(file):
+    database = read_v3.Database(file)
+    if not read_v3.seal_is_whole(file):
         sys.exit("%s: the seal does not fit" % name)
     if database.lossy < lossy or database.manifest["generation"] != generation:
         sys.exit("%s: loss of %g m, generation %d" % (name, database.lossy, database.manifest["generation"]))
     found = check_samples(database, expected, lossy)
     check_records(database, found)
     triangles = check_answers(program, file, database)
-    codings = sorted({page.coding for page in database.pages.values()})
-    print("%-26s %6d samples, %6d triangles in 5 answers, %3d pages, codings %s"
-          % (name, len(found), triangles, len(database.pages), codings))
-    return codings
+    pages = database.pages.values()
+    kinds = {"codings": {p.coding for p in pages}, "forms": {p.form for p in pages}, "widths": {p.width for p in pages}}
+    print("%-26s %6d samples, %6d triangles in 5 answers, %3d pages, %s" % (name, len(found), triangles, len(pages),
+          ", ".join("%s %s" % (kind, sorted(numbers)) for kind, numbers in kinds.items())))
+    return {(kind, number) for kind, numbers in kinds.items() for number in numbers}
 
 
 def check_answers(program, file, database):
@@ -241,10 +257,12 @@ def main():
         for raster in rasters():
             seen.update(check_one(program, folder, *raster))
         seen.update(check_several(program, folder))
-    except read_v2.Missing as missing:
+    except read_v3.Missing as missing:
         print("skipped:", missing)
         sys.exit(77)
-    print("codings seen:", sorted(seen))
+    missed = ({("forms", f) for f in range(5)} | {("widths", w) for w in (2, 4, 8)}) - seen
+    if missed:
+        sys.exit("no page has these: %s" % sorted(missed))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,118 @@
+#pragma once
+// One page in memory.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/dense/eighths_kernel.hpp"
+#include "engine/dense/square_bits.hpp"
+#include "engine/error/error_ladder.hpp"
+#include "engine/error/height_field.hpp"
+#include "engine/page/page_layout.hpp"
+
+namespace talus {
+
+/// What a page knows of one of its child pages, so that questions read only those that they need.
+struct ChildEntry {
+  bool present = false;           ///< it is stored; false: it has voids only
+  ErrorCode largest = 0;          ///< largest saturated error in it and in pages below it
+  float lowest = 0, highest = 0;  ///< heights in the vertical unit, rounded outward; +inf and -inf: voids only
+  std::uint32_t generation = 0;   ///< the last update that wrote it
+  friend bool operator==(const ChildEntry&, const ChildEntry&) = default;
+};
+
+/// One entry for both: the larger error, the joined range of heights, the later generation.
+[[nodiscard]] ChildEntry joined(const ChildEntry& a, const ChildEntry& b);
+
+/// The dense form of a page: heights in 16 bits, and all errors in eighths of a height code.
+struct DenseSquares {
+  alignas(64) std::int16_t numbers[kSquare];  ///< height codes less Page::base, row by row of the page's square
+  detail::SortedSquare errors;                ///< of own vertices in the extent; the others have no meaning
+};
+
+/// A page to be encoded has heights and the errors of all own vertices. A decoded page is in one of two forms: dense, as
+/// most pages of whole numbers are; or with heights, errors, and what follows from heights.
+struct Page {
+  PageId id;
+  int bands = 1;  ///< bands of the database; the coarsest also holds all levels above
+  PageGrid grid;
+
+  bool is_dense = false;
+  std::vector<DenseSquares> squares;  ///< dense: one; else without meaning
+  std::int64_t base = 0;              ///< dense: what heights are more than the numbers of the square
+
+  std::vector<double> heights;  ///< height codes, row by row; dense: empty
+  /// Saturated; 0 for vertices of coarser bands. Decoded: 0 where implied. Dense: empty.
+  std::vector<ErrorCode> errors;
+  /// Decoded: errors that follow from heights (engine/page/page_errors.hpp) as exact distances in height codes; -1
+  /// where there is none. In eighths if heights are whole numbers. Both empty: no error is implied.
+  std::vector<std::int32_t> eighths;
+  std::vector<double> distances;
+  std::vector<std::uint8_t> valid;   ///< 1: valid, 0: void; empty: all are valid
+  std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
+  std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
+
+  /// Heights of own vertices with error 0 are not stored, except near the border: they lie on the surface of the
+  /// others, and KeptHeights computes them. Decoded, they are unspecified. Such a page is never dense.
+  bool drops_heights = false;
+  GridRect extent{{0, 0}, {-1, -1}};  ///< extent of the database, whose border matters if heights are dropped
+
+  [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const { return grid.index(col, row); }
+  [[nodiscard]] std::size_t index(GridPoint p) const {
+    const GridPoint here = grid.local(p);
+    return index(here.col, here.row);
+  }
+  [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
+  [[nodiscard]] bool is_data(std::size_t i) const { return valid.empty() || valid[i] != 0; }
+  /// Sample i, at p, of a page with errors, encoded or decoded.
+  [[nodiscard]] bool is_dropped(std::size_t i, GridPoint p) const {
+    return drops_heights && errors[i] == 0 && is_own(p) && !is_near_border(p, extent);
+  }
+
+  /// The height code of sample i.
+  [[nodiscard]] double height(std::size_t i) const {
+    return is_dense ? static_cast<double>(base + squares.front().numbers[in_square(i)]) : heights[i];
+  }
+  /// The error of an own vertex of a dense page in eighths of a height code; -1: not an own vertex.
+  [[nodiscard]] std::int32_t dense_error(std::size_t i) const {
+    const auto at = static_cast<std::int32_t>(in_square(i));
+    const std::int32_t col = at % kPageSide, row = at / kPageSide;
+    if (((col | row) & (kChildrenAcross - 1)) == 0) return -1;
+    return squares.front().errors.numbers[detail::SortedSquare::index_of(col, row)];
+  }
+  /// For a decoded page that is not dense: whether an error follows from heights, and in height codes.
+  [[nodiscard]] bool is_implied(std::size_t i) const {
+    return eighths.empty() ? !distances.empty() && distances[i] >= 0 : eighths[i] >= 0;
+  }
+  [[nodiscard]] double implied_distance(std::size_t i) const {
+    return eighths.empty() ? distances[i] : eighths[i] / 8.0;
+  }
+  /// Error of an own vertex in metres. In a database of whole numbers it is a whole number of eighths: stored codes are
+  /// rounded up, so that the pages of both forms agree which vertices a tolerance selects.
+  [[nodiscard]] double error_m(std::size_t i, const CodeDistance& distance) const {
+    if (is_dense) return distance.metres(dense_error(i) < 0 ? 0 : dense_error(i) / 8.0);
+    return is_implied(i) ? distance.metres(implied_distance(i)) : distance.up_to_eighths(errors[i]);
+  }
+  /// The code that was stored, or else the smallest one that is not below the error.
+  [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {
+    return is_dense || is_implied(i) ? error_code(error_m(i, distance)) : errors[i];
+  }
+
+  /// Where sample i is in the page's square.
+  [[nodiscard]] std::size_t in_square(std::size_t i) const {
+    const auto cols = static_cast<std::size_t>(grid.cols), side = static_cast<std::size_t>(kPageSide);
+    const auto col = static_cast<std::size_t>(grid.first.col & (kPageSide - 1));
+    const auto row = static_cast<std::size_t>(grid.first.row & (kPageSide - 1));
+    return cols == side ? i + row * side : (row + i / cols) * side + col + i % cols;
+  }
+};
+
+/// The samples of a page's square that exist, and those of them that are data.
+[[nodiscard]] SquareBits present_samples(const PageGrid& grid);
+[[nodiscard]] SquareBits data_samples(const Page& page);
+
+/// An entry with the range of the page's valid stored heights, without an error.
+[[nodiscard]] ChildEntry range_of(const Page& page, const HeightStep& step);
+
+}  // namespace talus

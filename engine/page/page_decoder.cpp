@@ -1,0 +1,222 @@
+#include <bit>
+#include <cmath>
+
+#include "engine/dense/kernels.hpp"
+#include "engine/machine/fail.hpp"
+#include "engine/page/corner_numbers.hpp"
+#include "engine/page/page_codec.hpp"
+#include "engine/page/page_parts.hpp"
+
+namespace talus {
+namespace {
+
+std::int64_t plus(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+std::int64_t unzigzag(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (0 - (v & 1))); }
+
+bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
+  const auto added = [&](float to, int context) {
+    const std::int64_t bits = plus(std::bit_cast<std::int32_t>(to), unzigzag(in.get(context)));
+    return std::bit_cast<float>(static_cast<std::int32_t>(bits));
+  };
+  children.assign(kChildrenOfPage, {});
+  ChildEntry last;
+  bool possible = true;
+  for (ChildEntry& child : children) {
+    const std::uint64_t present = in.get(kChildrenFrom);
+    possible = possible && present <= 1;
+    if (present != 1) continue;
+    const std::int64_t largest = plus(last.largest, unzigzag(in.get(kChildrenFrom + 1)));
+    possible = possible && largest >= 0 && largest <= kAlwaysSelected;
+    child = {true, static_cast<ErrorCode>(possible ? largest : 0), added(last.lowest, kChildrenFrom + 2),
+             added(last.highest, kChildrenFrom + 3),
+             static_cast<std::uint32_t>(plus(last.generation, unzigzag(in.get(kChildrenFrom + 4))))};
+    last = child;
+  }
+  return possible;
+}
+
+std::uint64_t whole_at(std::span<const std::byte> bytes, std::size_t at, std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint64_t>(bytes[at + i]) << (8 * i);
+  return value;
+}
+
+}  // namespace
+
+struct PageDecoder::Scratch : PageWorkspace {
+  NumberReader in;
+  PageHead head;
+  std::span<const std::byte> height_bytes, error_bytes;
+
+  [[noreturn]] void corrupt(const char* what) const {
+    fail(Cause::corrupt, "corrupt: page {}/{} of band {}: {}", page.id.x, page.id.y, page.id.band, what);
+  }
+
+  void begin(PageId id, GridRect extent, int bands);
+  void get_head(std::span<const std::byte> bytes, const CodeDistance& distance);
+  /// Everything except errors that follow from heights or are stored after them.
+  void get_most(const CodeDistance& distance);
+  void get_heights();
+  template <class T>
+  void get_square(std::span<T> square, DenseNumbers<T>& coder);
+  template <class T>
+  void heights_of(const std::vector<T>& square);
+  void get_dense_errors();
+  void get_other_errors(const CodeDistance& distance);
+};
+
+PageDecoder::PageDecoder() : scratch_(std::make_unique<Scratch>()) {}
+PageDecoder::~PageDecoder() = default;
+PageDecoder::PageDecoder(PageDecoder&&) noexcept = default;
+PageDecoder& PageDecoder::operator=(PageDecoder&&) noexcept = default;
+
+void PageDecoder::Scratch::begin(PageId id, GridRect extent, int bands) {
+  page.id = id;
+  page.bands = bands;
+  page.grid = page_grid(id, extent);
+  page.extent = extent;
+  page.is_dense = false;
+  page.drops_heights = false;
+  page.heights.clear();
+  page.errors.clear();
+  page.eighths.clear();
+  page.distances.clear();
+  page.valid.clear();
+  page.covers.clear();
+  page.children.clear();
+}
+
+void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const CodeDistance& distance) {
+  if (bytes.size() < kPageHead) corrupt("it ends too early");
+  const auto byte = [&](std::size_t i) { return std::to_integer<unsigned>(bytes[i]); };
+  if (byte(0) != kPageVersion) corrupt("its version is unknown");
+  if (byte(1) >= kCodings) corrupt("its coding of heights is unknown");
+  head.coding = static_cast<Coding>(byte(1));
+  head.flags = byte(2);
+  if ((head.flags & ~unsigned{kAllPageFlags}) != 0 ||
+      ((head.has(kHasVoids) || head.has(kInnerCoversFollow)) && !head.has(kHasCovers)))
+    corrupt("its flags contradict each other");
+  if (head.has(kHasChildren) != (page.id.band > 0)) corrupt("child entries are missing, or a page of band 0 has some");
+  head.width = static_cast<unsigned>(whole_at(bytes, 6, 2));
+  if (head.width != 2 && head.width != 4 && head.width != 8) corrupt("its numbers have an unknown width");
+  head.base = static_cast<std::int64_t>(whole_at(bytes, 8, 8));
+  const bool is_implied = byte(3) != 0, is_of_whole = byte(3) == 2 || byte(3) == 4;
+  head.errors = static_cast<ErrorForm>(byte(3));
+  if (byte(3) > 4 || (is_implied && (page.id.band > 0 || page.grid.size() == 0 || head.has(kDropsHeights))) ||
+      (is_of_whole && (head.coding != Coding::whole || head.width > 4)) ||
+      (head.errors == ErrorForm::dense &&
+       (!distance.is_whole() || head.width != 2 || head.base > kLargestDenseBase || head.base < -kLargestDenseBase)))
+    corrupt("its form of errors is impossible");
+  if (byte(4) != static_cast<unsigned>(page.grid.cols) || byte(5) != static_cast<unsigned>(page.grid.rows))
+    corrupt("its size does not match the extent");
+  head.height_bytes = whole_at(bytes, 16, 4);
+  head.error_bytes = whole_at(bytes, 20, 2);
+  const std::size_t rest = bytes.size() - kPageHead;
+  if (head.height_bytes > rest || head.error_bytes > rest - head.height_bytes) corrupt("it is shorter than its parts");
+  if ((head.error_bytes != 0) != (head.errors == ErrorForm::dense)) corrupt("its parts contradict its form of errors");
+  height_bytes = bytes.subspan(kPageHead, head.height_bytes);
+  error_bytes = bytes.subspan(kPageHead + head.height_bytes, head.error_bytes);
+  const auto numbers = bytes.subspan(kPageHead + head.height_bytes + head.error_bytes);
+  if (!head.has_numbers() && !numbers.empty()) corrupt("bytes follow it");
+  if (head.has_numbers()) in.start(numbers);
+}
+
+void PageDecoder::Scratch::get_most(const CodeDistance& distance) {
+  const std::size_t n = page.grid.size();
+  page.is_dense = head.errors == ErrorForm::dense;
+  page.drops_heights = head.has(kDropsHeights);
+  page.base = head.base;
+  if (head.has(kHasVoids)) {
+    page.valid.resize(n);
+    get_voids(page.grid, page.valid, kVoidsFrom, in);
+  }
+  if (head.has(kHasCovers)) {
+    page.covers.resize(n);
+    if (!get_covers(page.id, page.bands, page.grid, page.valid, head.has(kInnerCoversFollow), page.covers, kCoversFrom,
+                    in))
+      corrupt("the triangles around a vertex are impossible");
+  }
+  if (head.has(kHasChildren) && !get_children(page.children, in)) corrupt("its child entries are wrong");
+  if (page.drops_heights) {
+    page.errors.assign(n, 0);
+    if (!stored.get(page, distance, kErrorsFrom, in)) corrupt("an error is larger than any possible one");
+  }
+  mark_needed(page);
+  get_heights();
+}
+
+template <class T>
+void PageDecoder::Scratch::get_square(std::span<T> square, DenseNumbers<T>& coder) {
+  const std::size_t corners = get_corner_numbers(height_bytes, square);
+  if (corners == 0 || !coder.get(height_bytes.subspan(corners), stored_samples(), square))
+    corrupt("its heights have too few or too many bits");
+}
+
+template <class T>
+void PageDecoder::Scratch::heights_of(const std::vector<T>& square) {
+  page.heights.resize(page.grid.size());
+  using Wide = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
+  std::array<Wide, kPageSide> row;
+  const auto cols = static_cast<std::size_t>(page.grid.cols);
+  Placement(page.grid).for_each_row([&](std::size_t here, std::size_t there) {
+    std::transform(square.data() + there, square.data() + there + cols, row.begin(),
+                   [](T v) { return static_cast<Wide>(static_cast<std::make_signed_t<T>>(v)); });
+    talus::heights_of(head.base, std::span<const Wide>(row.data(), cols), head.coding, page.heights.data() + here);
+  });
+  if (head.coding < Coding::float_bits) return;
+  for (std::size_t i = 0; i < page.heights.size(); ++i) {
+    if (std::isfinite(page.heights[i])) continue;
+    if (needed.empty() || needed[i] != 0) corrupt("a height is not a finite number");
+    page.heights[i] = 0;  // a void that nothing needs, predicted from bits of both signs
+  }
+}
+
+void PageDecoder::Scratch::get_heights() {
+  if (page.is_dense) {
+    page.squares.resize(1);
+    // Signed and unsigned numbers of one width may share memory.
+    auto* numbers = reinterpret_cast<std::uint16_t*>(page.squares.front().numbers);
+    return get_square(std::span(numbers, kSquare), of_narrow());
+  }
+  with_square(head.width, [&](auto& square, auto& coder) {
+    get_square(std::span(square), coder);
+    heights_of(square);
+  });
+}
+
+void PageDecoder::Scratch::get_dense_errors() {
+  DenseSquares& squares = page.squares.front();
+  detail::eighths_kernel(instruction_set()).compute(squares.numbers, squares.errors, heights_in_eighths);
+  if (dense_errors.of(page).get(error_bytes, squares.numbers, squares.errors) != error_bytes.size())
+    corrupt("its errors have too few or too many bits");
+}
+
+void PageDecoder::Scratch::get_other_errors(const CodeDistance& distance) {
+  if (head.errors == ErrorForm::whole) copy_whole(head.width);
+  errors_of.imply(head.errors, whole_square, page);
+  if (page.drops_heights) return;
+  page.errors.assign(page.grid.size(), 0);
+  if (!stored.get(page, distance, kErrorsFrom, in)) corrupt("an error is larger than any possible one");
+}
+
+const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                        std::span<const std::byte> bytes) {
+  Scratch& s = *scratch_;
+  s.begin(id, extent, bands);
+  s.get_head(bytes, distance);
+  s.get_most(distance);
+  return s.page;
+}
+
+const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                std::span<const std::byte> bytes) {
+  Scratch& s = *scratch_;
+  static_cast<void>(decode_heights(id, extent, bands, distance, bytes));
+  s.page.is_dense ? s.get_dense_errors() : s.get_other_errors(distance);
+  if (s.head.has_numbers() && !s.in.is_intact()) s.corrupt("it has too few or too many bits");
+  return s.page;
+}
+
+}  // namespace talus

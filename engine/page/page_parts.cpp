@@ -1,0 +1,90 @@
+#include "engine/page/page_parts.hpp"
+
+#include <cstring>
+
+namespace talus {
+
+void ErrorsOfHeights::imply(ErrorForm form, const std::vector<std::int32_t>& narrow, Page& page) {
+  const Placement place(page.grid);
+  page.eighths.clear();
+  page.distances.clear();
+  if (form == ErrorForm::none) return;
+  std::span<const std::uint8_t> data;
+  if (!page.valid.empty()) {
+    valid.assign(kSquare, 0);
+    place.into_square(page.valid, valid);
+    data = valid;
+  }
+  if (form == ErrorForm::whole) {
+    eighths.resize(kSquare);
+    if (!whole) whole.emplace();
+    whole->compute(narrow, place.present(), data, eighths);
+    place.from_square(eighths, page.eighths);
+    return;
+  }
+  square.assign(kSquare, 0);
+  place.into_square(page.heights, square);
+  distances.resize(kSquare);
+  if (form == ErrorForm::exact) {
+    if (!exact) exact.emplace();
+    exact->compute(square, place.present(), data, distances);
+  } else {
+    implied_errors_rounded_up(square, place.present(), data, distances);
+  }
+  place.from_square(distances, page.distances);
+}
+
+const StoredEighths& DenseErrors::of(const Page& page) {
+  const SquareBits present = present_samples(page.grid);
+  if (page.valid.empty() && page.grid.size() == kSquare) {
+    if (!whole_) whole_.emplace(present, present);
+    return *whole_;
+  }
+  const SquareBits data = data_samples(page);
+  const auto is_same = [](const SquareBits& a, const SquareBits& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  if (!other_ || !is_same(present, present_) || !is_same(data, data_)) {
+    other_.emplace(present, data);
+    present_ = present;
+    data_ = data;
+  }
+  return *other_;
+}
+
+void PageWorkspace::mark_needed(const Page& of) {
+  needed.clear();
+  if (of.valid.empty() && !of.drops_heights) return;
+  needed.assign(of.grid.size(), 1);
+  for (std::size_t i = 0; i < of.valid.size(); ++i)
+    needed[i] = of.valid[i] != 0 || (!of.covers.empty() && of.covers[i] != 0) ? 1 : 0;
+  if (!of.drops_heights) return;
+  for_each_sample(of.grid, [&](std::size_t i, GridPoint p) {
+    if (of.is_dropped(i, p)) needed[i] = 0;
+  });
+}
+
+const SquareBits* PageWorkspace::stored_samples() {
+  if (needed.empty() && page.grid.size() == kSquare) return nullptr;
+  if (needed.empty()) {
+    stored_bits = present_samples(page.grid);
+  } else {
+    stored_bits = {};
+    for (std::size_t i = 0; i < needed.size(); ++i) {
+      const auto at = static_cast<int>(page.in_square(i));
+      if (needed[i] != 0) insert(stored_bits, at % kPageSide, at / kPageSide);
+    }
+  }
+  return &stored_bits;
+}
+
+void PageWorkspace::copy_whole(unsigned width) {
+  whole_square.resize(kSquare);
+  if (width == 2) {
+    std::transform(narrow_square.begin(), narrow_square.end(), whole_square.begin(),
+                   [](std::uint16_t v) { return std::int32_t{static_cast<std::int16_t>(v)}; });
+  } else {
+    std::transform(wide_square.begin(), wide_square.end(), whole_square.begin(),
+                   [](std::uint32_t v) { return static_cast<std::int32_t>(v); });
+  }
+}
+
+}  // namespace talus
