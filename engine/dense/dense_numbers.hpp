@@ -6,9 +6,14 @@
 // is unary. All unary parts of a page are one stream of bits, all low bits another, so a reader finds the ends of all
 // unary parts before it knows any number.
 //
-// The bytes: bend shift (1), least number of low bits (1), numbers that are listed apart (2), bytes of unary parts (2) and
-// of flags (2), a bit for each class whose groups have flags (4), low bits of 26 classes beyond the least number (4 bits
-// each), the listed numbers (place 2, number 2 to 8), flags, unary parts, low bits. Little endian, lowest bits first.
+// A bend counts in units of 2 to the power of the page's bend shift, rounded up, and as 255 at most. A number that is
+// listed apart has residual 0 in the streams; it takes its place at the end of its pass (a spacing's centres, or its
+// side midpoints), and the list is in the order of passes.
+//
+// The bytes: bend shift (1), least number of low bits (1), numbers that are listed apart (2), bytes of unary parts (2)
+// and of flags (2), a bit for each class whose groups have flags (4), low bits of 26 classes beyond the least number (4
+// bits each), the listed numbers (place 2, number 2 to 8), flags, unary parts, low bits. Little endian, lowest bits
+// first.
 //
 // source  Rice codes: R. F. Rice, JPL 79-22, 1979; grouping and two streams: ours (docs/decisions/0012-dense-pages.md)
 

@@ -1,9 +1,9 @@
 #pragma once
-// Errors that follow from a page's heights, in eighths of a height code and 16 bits, the vertices above a threshold, and
-// their heights: compiled once for each kind of processor.
+// Errors that follow from a page's heights, in eighths of a height code and 16 bits, the vertices above a threshold,
+// and their heights: compiled once for each kind of processor.
 //
-// Its sources include only this header and engine/dense/eighths_kernel.inc. An inline function of another header would be
-// compiled with their instructions too, and the linker might use that version everywhere.
+// Its sources include only this header and engine/dense/eighths_kernel.inc. An inline function of another header would
+// be compiled with their instructions too, and the linker might use that version everywhere.
 
 #include <cstddef>
 #include <cstdint>

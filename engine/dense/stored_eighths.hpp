@@ -1,9 +1,13 @@
 #pragma once
 // Errors in eighths that do not follow from the heights of a page, as bytes.
 //
-// A saturated error is at least that of each of its children, and at least the distance of the vertex from the middle of
-// its ends. Most stored errors are exactly the largest of these, so each has a bit that says whether it is more, and only
-// then a number.
+// A saturated error is at least that of each of its children and, beside data, the distance of the vertex from the
+// middle of its ends. Most stored errors are exactly the largest of these, so each has a bit that says whether it is
+// more, and only then a number. Errors are at most 32767; distances are those of heights that wrap around in 16 bits.
+//
+// The bytes: low bits of six levels (4 bits each: spacing 1, 2, 4, side midpoints before centres), the bits of all
+// vertices, then the numbers, less 1, as Rice codes. A code of 24 zeros is followed by 15 bits: the number itself.
+// Lowest bits first. Vertices come by level, row by row.
 
 #include <cstddef>
 #include <cstdint>

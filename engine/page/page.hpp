@@ -31,8 +31,8 @@ struct DenseSquares {
   detail::SortedSquare errors;                ///< of own vertices in the extent; the others have no meaning
 };
 
-/// A page to be encoded has heights and the errors of all own vertices. A decoded page is in one of two forms: dense, as
-/// most pages of whole numbers are; or with heights, errors, and what follows from heights.
+/// A page to be encoded has heights and the errors of all own vertices. A decoded page is in one of two forms: dense,
+/// as most pages of whole numbers are; or with heights, errors, and what follows from heights.
 struct Page {
   PageId id;
   int bands = 1;  ///< bands of the database; the coarsest also holds all levels above

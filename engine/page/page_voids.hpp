@@ -18,7 +18,8 @@ void put_voids(const PageGrid& grid, std::span<const std::uint8_t> valid, int co
 void get_voids(const PageGrid& grid, std::span<std::uint8_t> valid, int context, NumberReader& in);
 
 /// Covers of own vertices, as differences from what the page's voids imply: nothing unless data outside the page
-/// matters. `valid` empty: all valid. Covers of other samples become 0.
+/// matters. A square of samples that are all data implies 15, one that is all void 0. `valid` empty: all valid. Covers
+/// of other samples become 0.
 ///
 /// put returns whether the covers of all inner vertices follow from the voids: then only the others are stored, and get
 /// must know it. get returns false if a number cannot be a cover.

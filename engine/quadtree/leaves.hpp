@@ -24,8 +24,8 @@ inline constexpr std::size_t kMostAround = 4;  ///< apex triangles of a vertex
 /// fails  cancelled
 void refuse_if_stopped(const std::stop_token& stop);
 
-/// The leaves around any vertex: at a border, with or without data, of any spacing. Slow, and the definition that faster
-/// code is held to.
+/// The leaves around any vertex: at a border, with or without data, of any spacing. Slow, and the definition that
+/// faster code is held to.
 class LeavesAround {
  public:
   explicit LeavesAround(const RestrictedQuadtree& quadtree);

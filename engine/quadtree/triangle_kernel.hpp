@@ -25,8 +25,8 @@ struct MaskRows {
 
 /// All work on the vertices of spacing 1 … kMostWordSpacing of one row.
 struct TriangleKernel {
-  /// Writes the leaves around them, three vertex numbers each, counter-clockwise. Their order depends on nothing but the
-  /// mask. There must be room for four triangles a vertex of the row and kWrittenAhead. `closed` becomes false if a
+  /// Writes the leaves around them, three vertex numbers each, counter-clockwise. Their order depends on nothing but
+  /// the mask. There must be room for four triangles a vertex of the row and kWrittenAhead. `closed` becomes false if a
   /// corner of a triangle is in the mask's rectangle but not in the mask.
   /// returns  the end of the triangles
   std::uint32_t* (*leaves)(const MaskRows& mask, std::int32_t row, std::uint32_t* out, bool& closed);

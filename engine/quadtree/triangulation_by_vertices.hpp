@@ -1,6 +1,6 @@
 #pragma once
-// Vertex by vertex: for small or nearly empty quadtrees, for regions that triangles may cross, and where the order of the
-// triangles counts. triangulation_by_words is tested against it.
+// Vertex by vertex: for small or nearly empty quadtrees, for regions that triangles may cross, and where the order of
+// the triangles counts. triangulation_by_words is tested against it.
 
 #include <stop_token>
 

@@ -34,15 +34,13 @@ bool AnswerBuilder::is_height(double code) const {
 }
 
 void AnswerBuilder::take(const Page& page, const SquareBits& bits) {
-  OfSquare& here = squares_found_.emplace_back(&memory_);
-  here.first = {page.id.x * kPageSide, page.id.y * kPageSide};
-  here.base = page.base;
-  here.bits = bits;
   std::size_t count = 0;
   for (const auto& row : bits) count += static_cast<std::size_t>(std::popcount(row[0]) + std::popcount(row[1]));
   constexpr std::size_t kWrittenBehind = 32;
-  here.numbers.resize(count + kWrittenBehind);
-  detail::eighths_kernel(instruction_set()).gather(page.squares.front().numbers, bits.data(), here.numbers.data());
+  auto* numbers = static_cast<std::int16_t*>(
+      memory_.allocate((count + kWrittenBehind) * sizeof(std::int16_t), alignof(std::int16_t)));
+  detail::eighths_kernel(instruction_set()).gather(page.squares.front().numbers, bits.data(), numbers);
+  squares_found_.push_back({{page.id.x * kPageSide, page.id.y * kPageSide}, page.base, bits, numbers});
 }
 
 RestrictedQuadtree AnswerBuilder::quadtree(GridRect region, VertexMask vertices) const {
@@ -63,7 +61,7 @@ RestrictedQuadtree AnswerBuilder::quadtree(GridRect region, VertexMask vertices)
 void AnswerBuilder::write_squares(const VertexMask& vertices, std::span<double> heights) const {
   const HeightStep& step = pages_.manifest().description.step;
   for (const OfSquare& square : squares_found_) {
-    const std::int16_t* from = square.numbers.data();
+    const std::int16_t* from = square.numbers;
     for (std::int32_t row = 0; row < kPageSide; ++row) {
       const auto& bits = square.bits[static_cast<std::size_t>(row)];
       if ((bits[0] | bits[1]) == 0) continue;

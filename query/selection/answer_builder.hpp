@@ -65,11 +65,10 @@ class AnswerBuilder {
 
   /// The vertices of a square.
   struct OfSquare {
-    explicit OfSquare(std::pmr::memory_resource* memory) : numbers(memory) {}
-    GridPoint first{};      ///< of the square
-    std::int64_t base = 0;  ///< heights are more than the numbers by this
-    SquareBits bits{};
-    std::pmr::vector<std::int16_t> numbers;  ///< row by row
+    GridPoint first;    ///< of the square
+    std::int64_t base;  ///< heights are more than the numbers by this
+    SquareBits bits;
+    const std::int16_t* numbers;  ///< row by row, in memory_
   };
   void write_squares(const VertexMask& vertices, std::span<double> heights) const;
   void write_pages(const VertexMask& vertices, RestrictedQuadtree& answer) const;

@@ -231,7 +231,8 @@ class RangeQuery {
     take_selected(page, first, worker);
   }
 
-  /// Takes what the coarser answer has out of what is selected. The largest errors of levels are then those of the rest.
+  /// Takes what the coarser answer has out of what is selected. The largest errors of levels are then those of the
+  /// rest.
   static void remove_coarser(const Page& page, Worker& worker) {
     for (std::size_t row = 0; row < worker.selected.size(); ++row) {
       for (int word = 0; word < 2; ++word) worker.selected[row][word] &= ~worker.coarser[row][word];

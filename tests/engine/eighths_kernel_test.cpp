@@ -1,5 +1,5 @@
-// Implied errors in 16 bits and the selection of their bits, for every set of instructions: against the errors in 32 bits,
-// which have tests of their own, and against a loop over samples.
+// Implied errors in 16 bits and the selection of their bits, for every set of instructions: against the errors in 32
+// bits, which have tests of their own, and against a loop over samples.
 
 #include "engine/dense/eighths_kernel.hpp"
 

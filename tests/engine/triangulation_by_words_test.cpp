@@ -43,7 +43,8 @@ void seal(RestrictedQuadtree& quadtree) {
   quadtree.vertices.for_each([&](GridPoint p) { quadtree.heights.push_back(1000.0 * p.row + p.col); });
 }
 
-/// A closed set: scattered vertices of all levels, all vertices of some rectangles, and all of spacing `coarse` or more.
+/// A closed set: scattered vertices of all levels, all vertices of some rectangles, and all of spacing `coarse` or
+/// more.
 RestrictedQuadtree random_quadtree(Random& random, GridRect window, double share, std::int32_t coarse = kRootSpacing) {
   RestrictedQuadtree quadtree;
   quadtree.vertices = VertexMask(window);

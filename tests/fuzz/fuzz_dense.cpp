@@ -1,5 +1,5 @@
-// Arbitrary bytes as the numbers of a dense page: all kernels refuse them, or all read the same numbers, which are written
-// and read again.
+// Arbitrary bytes as the numbers of a dense page: all kernels refuse them, or all read the same numbers, which are
+// written and read again.
 //
 // The first byte chooses the width of the numbers and which of them are stored.
 

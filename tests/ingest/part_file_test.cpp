@@ -110,7 +110,7 @@ TEST(PartFile, OneIngestAtATime) {
 
 void write_interrupted(const fs::path& file) {
   PageWriter writer(file);
-  const std::string plan = "talus format 2\n";
+  const std::string plan = "talus format 3\n";
   writer.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)));
   writer.put({kRecordTable, 3}, {});
   writer.commit(true);

@@ -274,7 +274,7 @@ TEST(Update, DoesNotThrowAwayAnInterruptedIngest) {
   static_cast<void>(ingest(folder / "a.tif", folder / "a.talus"));
   {
     PageWriter interrupted(folder / "a.talus.part");
-    const std::string plan = "talus format 2\n";
+    const std::string plan = "talus format 3\n";
     interrupted.put({kHeaderTable, kPlanPosition}, std::as_bytes(std::span(plan)));
     interrupted.put({kRecordTable, 3}, {});
     interrupted.commit(true);
