@@ -1,15 +1,13 @@
 #pragma once
 // Macros for gcc: compile a loop for several processors, and use the instruction that counts bits.
 
-// A function with TALUS_CLONES or TALUS_BIT_CLONES is compiled several times; at run time the widest version that the
+// A function with TALUS_CLONES is compiled several times; at run time the widest version that the
 // processor supports is used. Only for whole-number and exact arithmetic, so that all versions give the same bits.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define TALUS_CLONES [[gnu::target_clones("default", "avx2", "avx512f")]]
-#define TALUS_BIT_CLONES [[gnu::target_clones("default", "bmi2")]]
 #else
 #define TALUS_CLONES
-#define TALUS_BIT_CLONES
 #endif
 
 // A function with TALUS_POPCNT uses the instruction that counts bits (half of the work with ranks). Call it only if

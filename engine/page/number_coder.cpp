@@ -7,8 +7,6 @@
 #include <limits>
 #include <memory>
 
-#include "engine/machine/cpu.hpp"
-
 namespace talus {
 namespace {
 
@@ -394,64 +392,7 @@ struct TokenBits {
   return base + low;
 }
 
-/// Reads one number, or four in turn. `state` begins with the state whose turn it is.
-template <class Number>
-[[gnu::always_inline]] inline void take_numbers(TokenBits& from, const Step* const* steps, std::uint32_t* state,
-                                                std::span<const std::uint8_t> contexts, Number* numbers) {
-  TokenBits bits = from;
-  const auto one = [&](std::uint32_t & s, std::size_t i) __attribute__((always_inline)) {
-    const Step step = steps[contexts[i]][s];
-    if (step.low_bits > kLongestFast) [[unlikely]] {
-      numbers[i] = static_cast<Number>(take_long(bits, step));
-    } else {
-      numbers[i] = static_cast<Number>(step.base + bits.take(step.low_bits));
-    }
-    s = step.next + static_cast<std::uint32_t>(bits.take(step.bits));
-  };
-  std::uint32_t s0 = state[0], s1 = state[1], s2 = state[2], s3 = state[3];
-  for (std::size_t i = 0; i < contexts.size(); i += 4) {
-    bits.refill();
-    one(s0, i);
-    one(s1, i + 1);
-    bits.refill();
-    one(s2, i + 2);
-    one(s3, i + 3);
-  }
-  state[0] = s0, state[1] = s1, state[2] = s2, state[3] = s3;
-  from = bits;
-}
-TALUS_BIT_CLONES void take_narrow(TokenBits& bits, const Step* const* steps, std::uint32_t* state,
-                                  std::span<const std::uint8_t> contexts, std::uint32_t* numbers) {
-  take_numbers(bits, steps, state, contexts, numbers);
-}
-void take_wide(TokenBits& bits, const Step* const* steps, std::uint32_t* state, std::span<const std::uint8_t> contexts,
-               std::uint64_t* numbers) {
-  take_numbers(bits, steps, state, contexts, numbers);
-}
-
 }  // namespace
-
-template <class Number, class Take>
-void NumberReader::get_many(std::span<const std::uint8_t> contexts, Number* numbers, Take&& take) {
-  const Step* steps[kContexts];
-  for (std::size_t c = 0; c < kContexts; ++c) steps[c] = tables().steps[distribution_[c]].data();
-  TokenBits bits{bytes_.data(), size_, position_};
-  // After four numbers it is the same state's turn again.
-  std::uint32_t state[4];
-  for (unsigned k = 0; k < 4; ++k) state[k] = state_[(turn_ + k) % 4];
-  const std::size_t whole = contexts.size() / 4 * 4;
-  take(bits, steps, state, contexts.first(whole), numbers);
-  for (unsigned k = 0; k < 4; ++k) state_[(turn_ + k) % 4] = state[k];
-  position_ = bits.position;
-  for (std::size_t i = whole; i < contexts.size(); ++i) numbers[i] = static_cast<Number>(get(contexts[i]));
-}
-
-void NumberReader::get(std::span<const std::uint8_t> contexts, std::uint32_t* numbers) {
-  get_many(contexts, numbers, take_narrow);
-}
-void NumberReader::get(std::span<const std::uint8_t> contexts, std::uint64_t* numbers) {
-  get_many(contexts, numbers, take_wide);
-}
 
 std::uint64_t NumberReader::get(int context) {
   TokenBits bits{bytes_.data(), size_, position_};

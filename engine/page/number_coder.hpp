@@ -22,11 +22,6 @@ inline constexpr int kDistributions = 96;
 class NumberWriter {
  public:
   void put(std::uint64_t number, int context);
-  template <class Number>
-  void put(const Number* numbers, std::span<const std::uint8_t> contexts) {
-    numbers_.insert(numbers_.end(), numbers, numbers + contexts.size());
-    contexts_.insert(contexts_.end(), contexts.begin(), contexts.end());
-  }
   /// Appends all numbers to `out`. Nothing may follow them there.
   void finish(std::vector<std::byte>& out);
   /// Approximate size in bits of the numbers with contexts `first` to `end` - 1. For measurements.
@@ -47,16 +42,10 @@ class NumberReader {
   /// bytes  everything that finish() wrote; copied
   void start(std::span<const std::byte> bytes);
   [[nodiscard]] std::uint64_t get(int context);
-  /// One number for each context; bits beyond 32 are cut off in the first form.
-  void get(std::span<const std::uint8_t> contexts, std::uint32_t* numbers);
-  void get(std::span<const std::uint8_t> contexts, std::uint64_t* numbers);
   /// Whether exactly all bits were read.
   [[nodiscard]] bool is_intact() const;
 
  private:
-  template <class Number, class Take>
-  void get_many(std::span<const std::uint8_t> contexts, Number* numbers, Take&& take);
-
   std::vector<std::byte> bytes_;
   std::size_t size_ = 0;        // in bytes; zeros follow
   std::uint64_t position_ = 0;  // in bits

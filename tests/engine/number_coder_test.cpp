@@ -56,34 +56,6 @@ TEST(NumberCoder, GivesBackWhatWasPut) {
   }
 }
 
-TEST(NumberCoder, PortionsOfAnySizeAreTheSame) {
-  Random random(70);
-  const Numbers numbers = random_numbers(random, 2000, 31);
-  const Bytes bytes = written(numbers);
-  for (int time = 0; time < 40; ++time) {
-    NumberReader in;
-    in.start(bytes);
-    std::vector<std::uint64_t> read;
-    while (read.size() < numbers.values.size()) {
-      const auto size = std::min(numbers.values.size() - read.size(), static_cast<std::size_t>(random.between(1, 90)));
-      const auto contexts = std::span(numbers.contexts).subspan(read.size(), size);
-      if (random.chance(0.3)) {
-        for (const std::uint8_t context : contexts) read.push_back(in.get(context));
-      } else if (random.chance(0.5)) {
-        std::vector<std::uint32_t> some(size);
-        in.get(contexts, some.data());
-        read.insert(read.end(), some.begin(), some.end());
-      } else {
-        std::vector<std::uint64_t> some(size);
-        in.get(contexts, some.data());
-        read.insert(read.end(), some.begin(), some.end());
-      }
-    }
-    ASSERT_EQ(read, numbers.values);
-    EXPECT_TRUE(in.is_intact());
-  }
-}
-
 TEST(NumberCoder, ATruncationOrAFlippedBitIsNeverReadAsWhole) {
   Random random(71);
   const Numbers numbers = random_numbers(random, 400, 20);
@@ -113,9 +85,8 @@ TEST(NumberCoder, AnyBytesAreReadWithinBounds) {
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.next());
     NumberReader in;
     in.start(bytes);
-    std::vector<std::uint8_t> contexts(64, static_cast<std::uint8_t>(random.between(0, kContexts - 1)));
-    std::vector<std::uint32_t> numbers(contexts.size());
-    for (int i = 0; i < 8; ++i) in.get(contexts, numbers.data());
+    const int context = random.between(0, kContexts - 1);
+    for (int i = 0; i < 512; ++i) static_cast<void>(in.get(context));
     static_cast<void>(in.get(0));
     static_cast<void>(in.is_intact());
   }
