@@ -203,7 +203,8 @@ fs::path repeated(const fs::path& original, int times) {
   const fs::path file = kept_folder() / fmt::format("repeated_{}.vrt", times);
   std::ofstream vrt(file);
   vrt << fmt::format(R"(<VRTDataset rasterXSize="{0}" rasterYSize="{0}"><SRS>EPSG:3035</SRS>)", 1200 * times + 1)
-      << R"(<GeoTransform>0, 90, 0, 0, 0, -90</GeoTransform><VRTRasterBand dataType="Int16" band="1">)";
+      << R"(<GeoTransform>0, 90, 0, 0, 0, -90</GeoTransform><VRTRasterBand dataType="Int16" band="1">)"
+      << "<NoDataValue>-32767</NoDataValue>";  // as in the original
   for (int row = 0; row < times; ++row) {
     for (int col = 0; col < times; ++col) {
       vrt << fmt::format(

@@ -2,6 +2,8 @@
 // A bit for each sample of a page's square.
 
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "engine/dense/dense_kernel.hpp"
@@ -11,11 +13,23 @@ namespace talus {
 /// By row of the square: bit c mod 64 of word c / 64.
 using SquareBits = std::array<std::uint64_t[2], detail::kDenseSide>;
 
+[[nodiscard]] inline std::size_t count(const SquareBits& bits) {
+  int count = 0;
+  for (const auto& row : bits) count += std::popcount(row[0]) + std::popcount(row[1]);
+  return static_cast<std::size_t>(count);
+}
 [[nodiscard]] inline bool has(const SquareBits& bits, int col, int row) {
   return (bits[static_cast<std::size_t>(row)][col / 64] >> (col % 64) & 1) != 0;
 }
 inline void insert(SquareBits& bits, int col, int row) {
   bits[static_cast<std::size_t>(row)][col / 64] |= std::uint64_t{1} << (col % 64);
+}
+/// The same for sample `at` of the square, row by row.
+[[nodiscard]] inline bool has(const SquareBits& bits, std::size_t at) {
+  return has(bits, static_cast<int>(at % detail::kDenseSide), static_cast<int>(at / detail::kDenseSide));
+}
+inline void insert(SquareBits& bits, std::size_t at) {
+  insert(bits, static_cast<int>(at % detail::kDenseSide), static_cast<int>(at / detail::kDenseSide));
 }
 
 /// The vertices of spacing 1, 2 and 4 whose errors follow from the heights of the square, if these samples are data:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 namespace talus {
 
@@ -25,20 +24,20 @@ CodeDistance::CodeDistance(const Description& description)
   is_whole_ = is_whole_ && description.finest_tolerance.value == 0;
 }
 
-std::int64_t CodeDistance::eighths(double metres) const {
-  constexpr double kMost = 0x1p62;
+std::int32_t CodeDistance::eighths(double metres) const {
   const auto is_below = [&](double eighths) { return this->metres(eighths / 8) < metres; };
   double eighths = std::ceil(metres * divisor_ / factor_ * 8);
-  if (!(eighths < kMost)) return std::numeric_limits<std::int64_t>::max();
+  if (!(eighths <= kMostEighths)) return kMostEighths;  // and so few that doubles hold all of them
   while (eighths > 0 && !is_below(eighths - 1)) --eighths;
   while (is_below(eighths)) ++eighths;
-  return static_cast<std::int64_t>(eighths);
+  return static_cast<std::int32_t>(std::min(eighths, double{kMostEighths}));
 }
 
 double CodeDistance::up_to_eighths(ErrorCode code) const {
   const double error = error_of(code);
   if (!is_whole_ || code == 0 || code >= kAlwaysSelected) return error;
-  return std::max(error, metres(static_cast<double>(eighths(error)) / 8));
+  const std::int32_t counted = eighths(error);
+  return counted == kMostEighths ? error : std::max(error, metres(counted / 8.0));
 }
 
 bool CodeDistance::is_binary() const {

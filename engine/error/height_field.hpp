@@ -2,6 +2,7 @@
 // The heights of a rectangle for the computation of errors.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <variant>
 #include <vector>
@@ -27,6 +28,9 @@ inline void set_code(Codes& codes, std::size_t i, double code) {
   std::visit([&](auto& all) { all[i] = static_cast<typename std::decay_t<decltype(all)>::value_type>(code); }, codes);
 }
 
+/// Errors of so many eighths of a height code do not count in eighths.
+inline constexpr std::int32_t kMostEighths = std::numeric_limits<std::int32_t>::max();
+
 /// Converts a distance in height codes to metres.
 class CodeDistance {
  public:
@@ -40,9 +44,10 @@ class CodeDistance {
   /// Whether all height codes of the database are whole numbers, and all samples were kept: errors are then whole
   /// eighths of a code.
   [[nodiscard]] bool is_whole() const { return is_whole_; }
-  /// The fewest eighths of a height code that are not below an error in metres; the largest int64 if none is.
-  [[nodiscard]] std::int64_t eighths(double metres) const;
-  /// The error of a code in metres; if height codes are whole, rounded up to eighths of one.
+  /// The fewest eighths of a height code that are not below an error in metres; kMostEighths if it takes so many.
+  [[nodiscard]] std::int32_t eighths(double metres) const;
+  /// The error of a code in metres; if height codes are whole, rounded up to eighths of one. An error of kMostEighths
+  /// stays as it is.
   [[nodiscard]] double up_to_eighths(ErrorCode code) const;
   friend bool operator==(const CodeDistance&, const CodeDistance&) = default;
   /// Whether one code is a power of two in metres, so that no conversion rounds.

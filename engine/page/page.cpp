@@ -48,8 +48,7 @@ SquareBits data_samples(const Page& page) {
   if (page.valid.empty()) return present_samples(page.grid);
   SquareBits bits{};
   for (std::size_t i = 0; i < page.valid.size(); ++i) {
-    const auto at = static_cast<int>(page.in_square(i));
-    if (page.valid[i] != 0) insert(bits, at % kPageSide, at / kPageSide);
+    if (page.valid[i] != 0) insert(bits, page.in_square(i));
   }
   return bits;
 }

@@ -161,7 +161,7 @@ bool PageEncoder::Scratch::gives_errors_of(const Page& given, ErrorForm form, co
 
 /// Call it when page.eighths has the implied errors.
 bool PageEncoder::Scratch::dense_errors_follow(const Page& given, const CodeDistance& distance) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int16_t>::max();
+  constexpr std::int32_t kMost = std::numeric_limits<std::int16_t>::max();
   std::transform(narrow_square.begin(), narrow_square.end(), dense.numbers,
                  [](std::uint16_t v) { return static_cast<std::int16_t>(v); });
   detail::eighths_kernel(instruction_set()).compute(dense.numbers, dense.errors, heights_in_eighths);
@@ -173,7 +173,7 @@ bool PageEncoder::Scratch::dense_errors_follow(const Page& given, const CodeDist
     if (page.is_implied(i)) {
       all_follow = all_follow && error == page.eighths[i];
     } else {
-      const std::int64_t stored_error = distance.eighths(error_of(given.errors[i]));
+      const std::int32_t stored_error = distance.eighths(error_of(given.errors[i]));
       all_follow = all_follow && stored_error <= kMost;
       error = static_cast<std::int16_t>(std::min(stored_error, kMost));
     }

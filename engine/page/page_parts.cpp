@@ -69,8 +69,7 @@ const SquareBits* PageWorkspace::stored_samples() {
   } else {
     stored_bits = {};
     for (std::size_t i = 0; i < needed.size(); ++i) {
-      const auto at = static_cast<int>(page.in_square(i));
-      if (needed[i] != 0) insert(stored_bits, at % kPageSide, at / kPageSide);
+      if (needed[i] != 0) insert(stored_bits, page.in_square(i));
     }
   }
   return &stored_bits;

@@ -17,14 +17,6 @@ struct PageSample {
   std::uint16_t col, row;
 };
 
-/// The bits of a page's square in a mask over a region, and back.
-/// `first` is the grid point of the square's first sample; its samples are grid points of spacing 1. Bits outside the
-/// region are 0.
-///
-/// shared  other threads may change other bits of the same words at the same time
-void insert_square(const SquareBits& bits, GridPoint first, bool shared, VertexMask& mask);
-[[nodiscard]] SquareBits square_of(VertexMask& mask, GridPoint first, bool shared);
-
 /// Collects vertices page by page, then makes a quadtree of them.
 class AnswerBuilder {
  public:

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -20,6 +19,7 @@
 #include "query/pages/stopwatch.hpp"
 #include "query/selection/answer_builder.hpp"
 #include "query/selection/refusals.hpp"
+#include "query/selection/square_in_mask.hpp"
 #include "query/selection/threshold.hpp"
 
 namespace talus {
@@ -199,7 +199,7 @@ class RangeQuery {
 
   /// The same for a dense page: whole words of bits instead of samples.
   void select_dense(const Page& page, std::span<const GridPoint> forced, Worker& worker) {
-    const GridPoint first{page.id.x * kPageSide, page.id.y * kPageSide};  // of the square
+    const GridPoint first = page_square(page.id).first;
     const GridRect part = common(region_, page_square(page.id));
     const detail::SquarePart of_square{part.first.col - first.col, part.last.col - first.col,
                                        part.first.row - first.row, part.last.row - first.row};
@@ -244,10 +244,7 @@ class RangeQuery {
   }
 
   void take_selected(const Page& page, GridPoint first, Worker& worker) {
-    std::uint64_t count = 0;
-    for (const auto& row : worker.selected)
-      count += static_cast<std::uint64_t>(std::popcount(row[0]) + std::popcount(row[1]));
-    watch_.add_vertices(count);
+    watch_.add_vertices(count(worker.selected));
     insert_square(worker.selected, first, threads_ > 1, vertices_);
     if (page.valid.empty() && page.covers.empty()) {
       // All pages above were read before, so their vertices in this square are in the mask.

@@ -17,13 +17,18 @@ double largest_distance_within(double tolerance_m, const CodeDistance& distance)
   double low = 0, high = std::numeric_limits<double>::max() / std::max(1.0, distance.factor());
   if (!within(0)) return -1;
   if (within(high)) return high;
-  for (double middle = 1;; middle = low + (high - low) / 2) {
+  const auto look = [&](double at) {
+    if (at > low && at < high) (within(at) ? low : high) = at;
+  };
+  const double near = tolerance_m / distance.metres(1);  // wrong by a few roundings, or by more where they underflow
+  look(near * (1 - 1e-15));
+  look(near * (1 + 1e-15));
+  for (;;) {
+    const double middle = low + (high - low) / 2;
     if (middle <= low || middle >= high) return low;
-    (within(middle) ? low : high) = middle;
+    look(middle);
   }
 }
-
-constexpr std::int32_t kMostEighths = std::numeric_limits<std::int32_t>::max();
 
 /// A distance in height codes as eighths of a code, rounded down; -1 stays -1.
 std::int32_t largest_eighths_within(double largest_distance) {
@@ -33,7 +38,7 @@ std::int32_t largest_eighths_within(double largest_distance) {
 
 double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, double tolerance_m) {
   const Description& d = pages.manifest().description;
-  double metres = std::max(pages.distance().up_to_eighths(absent.code), d.kept_above().value);
+  double metres = std::max(std::min(tolerance_m, pages.distance().up_to_eighths(absent.code)), d.kept_above().value);
   if (absent.distance >= 0) metres = std::max(metres, std::min(tolerance_m, pages.distance().metres(absent.distance)));
   const bool heights_are_exact = pages.distance().is_binary() && d.step.offset == 0 && d.finest_tolerance.value == 0;
   return metres + d.lossy.value + (heights_are_exact ? 0 : kDecimalRounding);

@@ -63,8 +63,7 @@ std::optional<std::size_t> wrong_triangle(const Rules& rules, GridPoint p, std::
 bool has_error(const Rules& rules, const Page* page, std::size_t i, const SquareBits& implied, ErrorCode error) {
   if (page == nullptr) return error == 0;
   if (!page->is_dense) return page->error(i, rules.distance) == error;
-  const auto at = static_cast<int>(page->in_square(i));
-  if (has(implied, at % kPageSide, at / kPageSide)) return page->error(i, rules.distance) == error;
+  if (has(implied, page->in_square(i))) return page->error(i, rules.distance) == error;
   return page->dense_error(i) == rules.distance.eighths(error_of(error));
 }
 

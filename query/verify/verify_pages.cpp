@@ -84,9 +84,7 @@ class PageChecks {
   static void find_largest(const Page& page, CheckedPage& checked) {
     const SquareBits implied = implied_places(data_samples(page));
     for (std::size_t i = 0; i < page.grid.size(); ++i) {
-      const auto at = static_cast<int>(page.in_square(i));
-      std::int32_t& largest =
-          has(implied, at % kPageSide, at / kPageSide) ? checked.largest_implied : checked.largest_stored;
+      std::int32_t& largest = has(implied, page.in_square(i)) ? checked.largest_implied : checked.largest_stored;
       largest = std::max(largest, page.dense_error(i));
     }
   }
@@ -96,7 +94,7 @@ class PageChecks {
     const CodeDistance& distance = pages_.distance();
     const ErrorCode implied =
         checked.largest_implied < 0 ? ErrorCode{0} : error_code(distance.metres(checked.largest_implied / 8.0));
-    const std::int64_t eighths = distance.eighths(error_of(said));
+    const std::int32_t eighths = distance.eighths(error_of(said));
     return said == implied ? checked.largest_stored <= eighths : said > implied && checked.largest_stored == eighths;
   }
 

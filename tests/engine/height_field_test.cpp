@@ -46,6 +46,32 @@ TEST(HeightField, DistancesInCodesBecomeMetresWithoutTheRoundingOfATenth) {
   EXPECT_FALSE(CodeDistance({1, 10, 0, true}, 1).is_binary());
 }
 
+/// Heights in steps of nanometres: doubles no longer hold the eighths of metres one by one.
+TEST(HeightField, ErrorsCountInEighthsUpToThirtyOneBits) {
+  const CodeDistance whole({1, 1, 0, true}, 1);
+  EXPECT_EQ(whole.eighths(0), 0);
+  EXPECT_EQ(whole.eighths(0.125), 1);
+  EXPECT_EQ(whole.eighths(std::nextafter(0.125, 1)), 2);
+  EXPECT_EQ(whole.eighths((kMostEighths - 1) / 8.0), kMostEighths - 1);
+  EXPECT_EQ(whole.eighths(kMostEighths / 8.0), kMostEighths);
+  EXPECT_EQ(whole.eighths(1e300), kMostEighths);
+  EXPECT_EQ(whole.up_to_eighths(error_code(0.3)), 0.375);
+  for (const double scale : {1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.3, 1.0, 7.0, 1e9}) {
+    SCOPED_TRACE(scale);
+    const CodeDistance distance({scale, 1, 0, true}, 1);
+    for (int code = 0; code <= int{kAlwaysSelected}; code += 7) {
+      const double error = error_of(static_cast<ErrorCode>(code));
+      const std::int32_t eighths = distance.eighths(error);
+      if (eighths == kMostEighths) {
+        EXPECT_EQ(distance.up_to_eighths(static_cast<ErrorCode>(code)), error);
+        continue;
+      }
+      EXPECT_GE(distance.metres(eighths / 8.0), error);
+      EXPECT_TRUE(eighths == 0 || distance.metres((eighths - 1) / 8.0) < error);
+    }
+  }
+}
+
 BitRange bits_of(const std::vector<double>& numbers) {
   BitRange bits;
   for (const double h : numbers) bits.take(h);

@@ -844,11 +844,13 @@ class Database:
         if not self.integer or code in (0, 4001):
             return metres
         k = math.ceil(metres * self.divisor / self.factor * 8)  # or one beside it
+        if k > 2**31:
+            return metres
         while self.metres((k - 1) / 8) >= metres:
             k -= 1
         while self.metres(k / 8) < metres:
             k += 1
-        return self.metres(k / 8)
+        return self.metres(k / 8) if k < 2**31 - 1 else metres
 
     def walk(self, region, wanted):
         """The pages that overlap a region, from the top; wanted(band, x, y, largest error) says which."""

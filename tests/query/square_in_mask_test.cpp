@@ -1,6 +1,6 @@
-// The bits of pages in the mask of an answer.
+// The bits of a square in the mask of an answer.
 
-#include "query/selection/answer_builder.hpp"
+#include "query/selection/square_in_mask.hpp"
 
 #include <set>
 #include <utility>
