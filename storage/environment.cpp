@@ -41,6 +41,7 @@ void AbortTxn::operator()(MDB_txn* txn) const { mdb_txn_abort(txn); }
 
 std::string table_name(int table) {
   if (table == kHeaderTable) return "header";
+  if (table == kSliceTable) return "slices";
   return table == kRecordTable ? "records" : fmt::format("band/{:02}", table);
 }
 

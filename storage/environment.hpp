@@ -30,7 +30,7 @@ struct AbortTxn {
 };
 using TxnPtr = std::unique_ptr<MDB_txn, AbortTxn>;
 
-inline constexpr unsigned kMaxTables = 34;  ///< header, 32 bands, records
+inline constexpr unsigned kMaxTables = 35;  ///< header, 32 bands, records, slices
 
 /// "header", "band/07" or "records".
 [[nodiscard]] std::string table_name(int table);

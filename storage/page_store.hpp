@@ -17,11 +17,11 @@ class Failure;
 
 /// The key of a page: a table and a position in it. Keys are big endian, so they sort by position.
 struct PageKey {
-  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: the tile records
+  int table = 0;  ///< 0 to 31: a band; kHeaderTable: the manifest; kRecordTable: tile records; kSliceTable: slices
   std::uint64_t position = 0;
   friend constexpr auto operator<=>(const PageKey&, const PageKey&) = default;
 };
-inline constexpr int kHeaderTable = -1, kRecordTable = 32;
+inline constexpr int kHeaderTable = -1, kRecordTable = 32, kSliceTable = 33;
 
 /// In LMDB each large value takes whole pages of the file. The many small pages of table 0 share values: a shelf holds
 /// the 64 positions from a multiple of 64 on. Each page is still read and checked alone.

@@ -20,6 +20,7 @@ constexpr Row kRows[] = {
     {"in the region", "in_region", [](const BandCost& b) { return b.in_region; }},
     {"  used: an error above the tolerance", "wanted", [](const BandCost& b) { return b.wanted; }},
     {"  used: for the border or points only", "needed", [](const BandCost& b) { return b.needed; }},
+    {"  skipped: a slice has the vertices", "from_slice", [](const BandCost& b) { return b.from_slice; }},
     {"  skipped: no error above the tolerance", "below_tolerance", [](const BandCost& b) { return b.below_tolerance; }},
     {"  skipped: finer than --max-level", "too_fine", [](const BandCost& b) { return b.too_fine; }},
     {"  skipped: only voids", "only_voids", [](const BandCost& b) { return b.only_voids; }},

@@ -33,6 +33,12 @@ std::int32_t CodeDistance::eighths(double metres) const {
   return static_cast<std::int32_t>(std::min(eighths, double{kMostEighths}));
 }
 
+std::int32_t CodeDistance::counted_within(double metres) const {
+  if (!is_whole_) return largest_code_within(metres);
+  const std::int32_t enough = eighths(metres);
+  return enough == kMostEighths || this->metres(enough / 8.0) <= metres ? enough : enough - 1;
+}
+
 double CodeDistance::up_to_eighths(ErrorCode code) const {
   const double error = error_of(code);
   if (!is_whole_ || code == 0 || code >= kAlwaysSelected) return error;

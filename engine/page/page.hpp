@@ -1,6 +1,7 @@
 #pragma once
 // One page in memory.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -88,15 +89,25 @@ struct Page {
   [[nodiscard]] double implied_distance(std::size_t i) const {
     return eighths.empty() ? distances[i] : eighths[i] / 8.0;
   }
-  /// Error of an own vertex in metres. In a database of whole numbers it is a whole number of eighths: stored codes are
-  /// rounded up, so that the pages of both forms agree which vertices a tolerance selects.
+  /// What the error of an own vertex counts as when it is compared with a tolerance: in a database of whole numbers
+  /// eighths of a height code (see CodeDistance::eighths), in others the code.
+  [[nodiscard]] std::int32_t counted_error(std::size_t i, const CodeDistance& distance) const {
+    if (!distance.is_whole()) return error(i, distance);
+    if (is_dense) return std::max(dense_error(i), 0);
+    return !eighths.empty() && eighths[i] >= 0 ? eighths[i] : distance.eighths(error_of(errors[i]));
+  }
+  /// What the error of an own vertex counts as, in metres. In a database of whole numbers it is a whole number of
+  /// eighths: stored codes are rounded up. In others it is that of a code: errors that follow from heights are rounded
+  /// up. So pages of all forms, and slices, agree which vertices a tolerance selects.
   [[nodiscard]] double error_m(std::size_t i, const CodeDistance& distance) const {
-    if (is_dense) return distance.metres(dense_error(i) < 0 ? 0 : dense_error(i) / 8.0);
-    return is_implied(i) ? distance.metres(implied_distance(i)) : distance.up_to_eighths(errors[i]);
+    if (!distance.is_whole()) return error_of(error(i, distance));
+    if (is_dense || is_implied(i)) return distance.metres(counted_error(i, distance) / 8.0);
+    return distance.up_to_eighths(errors[i]);
   }
   /// The code that was stored, or else the smallest one that is not below the error.
   [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {
-    return is_dense || is_implied(i) ? error_code(error_m(i, distance)) : errors[i];
+    if (is_dense) return error_code(distance.metres(std::max(dense_error(i), 0) / 8.0));
+    return is_implied(i) ? error_code(distance.metres(implied_distance(i))) : errors[i];
   }
 
   /// Where sample i is in the page's square.

@@ -19,25 +19,28 @@ struct BandCost {
   std::uint64_t beyond = 0;  ///< outside the region: triangles that cross its side end there
 
   // Pages that were left out:
+  std::uint64_t from_slice = 0;       ///< the slice of their tile was read in their place
   std::uint64_t below_tolerance = 0;  ///< all errors in and below them are within the tolerance
   std::uint64_t too_fine = 0;         ///< their levels are finer than Question::max_level
   std::uint64_t only_voids = 0;       ///< they are not stored, because they hold voids only
   std::uint64_t outside = 0;          ///< they lie outside the region, but a page above them does not
 
-  // What was read. A page that is used twice may be read twice, or found in the cache twice.
+  // What was read. A page that is used twice may be read twice, or found in the cache twice. The slice of a tile counts
+  // as a page of spacing 8.
   std::uint64_t pages_read = 0, bytes_read = 0, pages_cached = 0;
 
   /// Adds the numbers of the same band.
   BandCost& operator+=(const BandCost& other) {
-    for (const auto count : {&BandCost::in_region, &BandCost::wanted, &BandCost::needed, &BandCost::beyond,
-                             &BandCost::below_tolerance, &BandCost::too_fine, &BandCost::only_voids, &BandCost::outside,
-                             &BandCost::pages_read, &BandCost::bytes_read, &BandCost::pages_cached})
+    for (const auto count :
+         {&BandCost::in_region, &BandCost::wanted, &BandCost::needed, &BandCost::beyond, &BandCost::from_slice,
+          &BandCost::below_tolerance, &BandCost::too_fine, &BandCost::only_voids, &BandCost::outside,
+          &BandCost::pages_read, &BandCost::bytes_read, &BandCost::pages_cached})
       this->*count += other.*count;
     return *this;
   }
   /// Pages in the region that were not looked at, because a page above them was left out.
   [[nodiscard]] std::uint64_t unasked() const {
-    return in_region - wanted - needed - below_tolerance - too_fine - only_voids;
+    return in_region - wanted - needed - from_slice - below_tolerance - too_fine - only_voids;
   }
 };
 

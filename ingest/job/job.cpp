@@ -99,6 +99,7 @@ std::uint64_t own_samples(TileId id, GridRect extent) {
 
 void put(PageWriter& writer, TileId id, const TilePages& tile, std::uint64_t& pages) {
   for (const PageBytes& page : tile.pages) writer.put(page.key, page.content, page.generation);
+  if (tile.slice) writer.put(tile.slice->key, tile.slice->content, tile.slice->generation);
   pages += tile.pages.size();
   writer.put(record_key(id), encode(tile.summary), tile.summary.entry.generation);
   writer.commit();
@@ -308,6 +309,7 @@ IngestEstimate estimate(const Job& job, const Source& source, const std::functio
     seconds += std::chrono::duration<double>(Clock::now() - begun).count();
     samples += static_cast<double>(own_samples(id, job.description.extent));
     for (const PageBytes& page : tile.pages) bytes += static_cast<double>(page.content.size());
+    if (tile.slice) bytes += static_cast<double>(tile.slice->content.size());
     bytes += static_cast<double>(encode(tile.summary).size());
   }
   if (samples > 0) {

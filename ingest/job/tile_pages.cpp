@@ -9,6 +9,9 @@ namespace {
 
 using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
 
+/// A slice has at most this share of the vertices of its tile.
+constexpr double kShareOfSlice = 0.02;
+
 /// The triangles of p that leave the extent. No mesh has them. Their bits are 1, so that pages without voids store
 /// none.
 std::uint8_t leaving(GridRect extent, GridPoint p) {
@@ -171,7 +174,7 @@ class TilePacker {
  public:
   TilePacker(TileId id, const TileErrors& tile, std::span<const std::uint8_t> valid, const PageMaking& making,
              TilePacking& memory)
-      : id_(id), tile_(tile), valid_(valid), making_(making), encoder_(memory.encoder), page_(memory.page) {}
+      : id_(id), tile_(tile), valid_(valid), making_(making), memory_(memory), page_(memory.page) {}
 
   TilePages run() {
     if (tile_.all_void) {
@@ -198,8 +201,9 @@ class TilePacker {
       ChildEntry entry = finish();
       if (!entry.present) continue;
       histogram_.count(page);
-      made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
+      made_.pages.push_back(bytes_of(memory_.encoder, page, entry, making_));
       below.emplace(curve_position(id), entry);
+      largest_.emplace(curve_position(id), entry.largest);
     }
     if (made_.summary.valid_samples > 0) {
       const double a = making_.step.value(lowest), b = making_.step.value(highest);
@@ -212,11 +216,12 @@ class TilePacker {
     entry.present = entry.present || !below.empty();
     if (entry.present) {
       histogram_.count(page);
-      made_.pages.push_back(bytes_of(encoder_, page, entry, making_));
+      made_.pages.push_back(bytes_of(memory_.encoder, page, entry, making_));
     }
     made_.summary.entry = entry;
     made_.summary.errors = histogram_.above_rungs();
     keep_posts(page);
+    if (entry.present && making_.kept_above == 0) make_slice(entry.generation);
     return std::move(made_);
   }
 
@@ -315,6 +320,26 @@ class TilePacker {
     }
   }
 
+  /// Slices the finest threshold of 1, 2, 5 a decade that leaves few vertices above it. A page that has none of them
+  /// is not looked into.
+  void make_slice(std::uint32_t generation) {
+    const auto most = static_cast<std::uint64_t>(kShareOfSlice * static_cast<double>(made_.summary.valid_samples));
+    std::size_t rung = 0;
+    while (rung + 1 < kErrorRungs && made_.summary.errors[rung] > most) ++rung;
+    TileSlice slice;
+    slice.above = making_.distance.counted_within(error_rung(rung));
+    for (const PageBytes& page : made_.pages) {
+      const PageId id = page_at(page.key.table, page.key.position);
+      if (id.band > 0 || error_of(largest_.at(page.key.position)) > error_rung(rung)) {
+        slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, making_.distance, page.content),
+                   making_.distance);
+      }
+    }
+    made_.slice = PageBytes{{kSliceTable, curve_position({1, id_.x, id_.y})},
+                            memory_.slices.encode(id_, making_.extent, making_.distance, slice),
+                            generation};
+  }
+
   /// Keeps every 64th sample. The page of band 1 has every 8th.
   void keep_posts(const Page& page) {
     constexpr std::int32_t kStep = kBlockSide >> band_shift(1);
@@ -336,8 +361,9 @@ class TilePacker {
   const PageMaking& making_;
   GridRect window_ = tile_window(id_, making_.extent);
   TilePages made_;
+  std::unordered_map<std::uint64_t, ErrorCode> largest_;  ///< of each page of band 0
   Histogram histogram_;
-  PageEncoder& encoder_;
+  TilePacking& memory_;
   Page& page_;
 };
 

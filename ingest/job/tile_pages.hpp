@@ -2,10 +2,12 @@
 // Makes the bytes of pages from errors.
 
 #include <functional>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "engine/tile/coarse_levels.hpp"
+#include "engine/tile/tile_slice.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "storage/page_store.hpp"
 
@@ -30,12 +32,16 @@ struct PageBytes {
 
 struct TilePages {
   std::vector<PageBytes> pages;  ///< band 0 in curve order, then the page of band 1; no page without data
+  /// The slice of a tile that has a page of band 1; none if not all samples are kept.
+  std::optional<PageBytes> slice;
   TileSummary summary;
 };
 
 /// Memory for packing, used again for each tile. Results do not depend on its content.
 struct TilePacking {
   PageEncoder encoder;
+  PageDecoder decoder;
+  SliceCoder slices;
   Page page;
 };
 

@@ -70,6 +70,12 @@ BandCost* band_in(QueryCost& cost, PageId id) {
   return band < cost.bands.size() ? &cost.bands[band] : nullptr;
 }
 
+void count_read(QueryCost& cost, PageId id, std::uint64_t bytes) {
+  ++cost.pages_read;
+  cost.bytes_read += bytes;
+  if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
+}
+
 }  // namespace
 
 QueryCost StoredPages::cost_of_header() const {
@@ -91,10 +97,7 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
             what);
   };
   if (!page) corrupt("missing");
-  const std::uint64_t bytes = page->content.size() + kPagePrefixBytes;
-  ++cost.pages_read;
-  cost.bytes_read += bytes;
-  if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
+  count_read(cost, id, page->content.size() + kPagePrefixBytes);
   if (page->generation != expected.value_or(page->generation))
     corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
@@ -104,6 +107,30 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
         (decoder.*decode)(id, manifest_.description.extent, manifest_.bands, distance_, page->content);
     txn_.require_all_bytes();
     return decoded;
+  } catch (const Failure&) {
+    txn_.require_all_bytes();
+    throw;
+  }
+}
+
+const TileSlice* StoredPages::slice(PageId tile, std::uint32_t generation, std::int32_t above, SliceCoder& coder,
+                                    QueryCost& cost) const {
+  if (manifest_.description.finest_tolerance.value > 0) return nullptr;
+  const Stopwatch reading(cost.reading_seconds);
+  const auto stored = txn_.find({kSliceTable, curve_position(tile)});
+  const auto corrupt = [&](const std::string& what) {
+    fail_in(file_, Cause::corrupt, "corrupt: {}: the slice of tile {}/{} is {}", file_.string(), tile.x, tile.y, what);
+  };
+  if (!stored) corrupt("missing");
+  count_read(cost, tile, stored->content.size() + kPagePrefixBytes);
+  if (stored->generation != generation)
+    corrupt(fmt::format("stale: written by update {}, expected update {}", stored->generation, generation));
+  const std::int32_t threshold = SliceCoder::threshold_of(stored->content);
+  if (threshold == kNoSlice || threshold > above) return nullptr;
+  try {
+    const TileSlice& slice = coder.decode({tile.x, tile.y}, manifest_.description.extent, distance_, stored->content);
+    txn_.require_all_bytes();
+    return &slice;
   } catch (const Failure&) {
     txn_.require_all_bytes();
     throw;

@@ -7,6 +7,7 @@
 
 #include "engine/page/manifest.hpp"
 #include "engine/page/page_codec.hpp"
+#include "engine/tile/tile_slice.hpp"
 #include "query/pages/page_cache.hpp"
 #include "storage/page_store.hpp"
 #include "talus/database.hpp"
@@ -49,6 +50,11 @@ class StoredPages {
   [[nodiscard]] bool would_keep(GridRect region) const;
   /// The same for any generation, which it returns. For callers that have not read the parent page.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
+  /// The slice of a tile, whose page of band 1 has this id and generation, if it has all vertices above a threshold that
+  /// counts as this; valid until the coder decodes another slice. Null: it has not. Counts as a page of band 1.
+  /// fails  as for a page
+  [[nodiscard]] const TileSlice* slice(PageId tile, std::uint32_t generation, std::int32_t above, SliceCoder& coder,
+                                       QueryCost& cost) const;
   /// Reads a page without its errors.
   [[nodiscard]] const Page& get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
                                         QueryCost& cost) const;

@@ -22,7 +22,7 @@ void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) 
     here.heights[k] = kept_.is_kept(page, i, here.at[k]) ? page.height(i) : kept_.at(here.at[k]);
     if (!page.covers.empty()) here.covers[k] = page.covers[i];
     // The codec decodes some number for a void that no triangle needs. It may lie far outside the range of heights.
-    if (!page.is_data(i) && !is_height(here.heights[k])) here.heights[k] = 0;
+    if (!page.covers.empty() && page.covers[i] == 0 && !is_height(here.heights[k])) here.heights[k] = 0;
   }
 }
 
@@ -30,6 +30,20 @@ bool AnswerBuilder::is_height(double code) const {
   const Description& d = pages_.manifest().description;
   const double height = d.step.value(code);
   return height >= d.minimum_height && height <= d.maximum_height;
+}
+
+void AnswerBuilder::take(const TileSlice& slice, std::span<const std::uint32_t> chosen, std::span<const GridPoint> at) {
+  if (chosen.empty()) return;
+  OfPage& here = pages_found_.emplace_back(&memory_);
+  here.at.assign(at.begin(), at.end());
+  here.heights.resize(chosen.size());
+  if (!slice.covers.empty()) here.covers.resize(chosen.size());
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    here.heights[k] = slice.heights[chosen[k]];
+    if (slice.covers.empty()) continue;
+    here.covers[k] = slice.covers[chosen[k]];
+    if (here.covers[k] == 0 && !is_height(here.heights[k])) here.heights[k] = 0;  // perhaps a void, as above
+  }
 }
 
 void AnswerBuilder::take(const Page& page, const SquareBits& bits) {

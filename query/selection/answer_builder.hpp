@@ -36,6 +36,8 @@ class AnswerBuilder {
   }
   /// Adds all selected vertices of a page at once, without begin_page().
   void take(const Page& page, std::span<const PageSample> samples);
+  /// Adds some vertices of a slice: those at `chosen`, which are grid points `at`.
+  void take(const TileSlice& slice, std::span<const std::uint32_t> chosen, std::span<const GridPoint> at);
   /// Adds the heights of many vertices of a dense page without voids and covers.
   ///
   /// bits  all vertices of the answer in the page's square; those of coarser bands must be added, too

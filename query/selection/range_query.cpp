@@ -70,6 +70,9 @@ class RangeQuery {
  private:
   static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
   static constexpr std::size_t kTasksAThread = 8;
+  /// A slice takes as long as 16 of a tile's 64 pages.
+  static constexpr double kWorthSlice = 0.25;
+  static constexpr std::uint64_t kChildren = std::uint64_t{kChildrenAcross} * kChildrenAcross;
 
   struct NothingNeeded {
     bool operator()(std::size_t) const { return false; }
@@ -97,8 +100,11 @@ class RangeQuery {
     PageCache::BorrowedDecoder decoder;
     Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< 1 for each sample of a page that the border needs
-    SquareBits selected{}, coarser{};     ///< of a dense page
-    detail::SortedSquare errors;          ///< of a dense page, without those that the border needs
+    SliceCoder slices;
+    std::vector<std::uint32_t> chosen_of_slice;
+    std::vector<GridPoint> points_of_slice;
+    SquareBits selected{}, coarser{};  ///< of a dense page
+    detail::SortedSquare errors;       ///< of a dense page, without those that the border needs
   };
 
   /// The samples of the region in a page's square. The areas of all child pages add up to that of their parent page.
@@ -160,22 +166,87 @@ class RangeQuery {
   void look_into(const Wanted& wanted, Worker& worker, std::vector<Wanted>& below) {
     watch_.look();
     std::int64_t settled = area_of(wanted.id);
+    const TileSlice* slice = slice_for(wanted, worker);
+    if (slice != nullptr && !is_forced(wanted.id)) {
+      worker.fates.replace(wanted.id);
+      select(
+          *slice, wanted.id, [](GridPoint) { return true; }, worker);
+      return settle(settled, worker);
+    }
     std::shared_ptr<const Page> kept;
     if (keeps_pages_) kept = pages_.shared(wanted.id, wanted.generation, worker.cost);
     const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, *worker.decoder, worker.cost);
     worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
+    std::uint64_t replaced = 0;  // child pages, by curve position: a page of band 1 has 64
     for_each_child(page, region_, [&](PageId child, const ChildEntry& entry) {
       // If the child page has no error above the tolerance, its child entry counts for the bound, even if the border
       // needs the page. An increment does not read such a page, and this way it has the same bound.
       const bool is_wanted = above_(entry.largest);
       if (!is_wanted) worker.absent.code = std::max(worker.absent.code, entry.largest);
+      if (slice != nullptr && is_wanted && !is_forced(child)) {
+        worker.fates.replace(child);
+        replaced |= std::uint64_t{1} << (curve_position(child) % kChildren);
+        return;
+      }
       if (!is_wanted && (above_from_ || !is_forced(child))) return;
       below.push_back({child, entry.generation, is_wanted});
       settled -= area_of(child);
     });
-    const std::int64_t done = settled_.fetch_add(settled, std::memory_order_relaxed) + settled;
+    if (replaced != 0) {
+      const auto is_replaced = [&](GridPoint p) {
+        return band_of(p, manifest_.bands) == 0 && (replaced >> (curve_position(page_of(p, 0)) % kChildren) & 1) != 0;
+      };
+      select(*slice, wanted.id, is_replaced, worker);
+    }
+    settle(settled, worker);
+  }
+
+  void settle(std::int64_t samples, Worker& worker) {
+    const std::int64_t done = settled_.fetch_add(samples, std::memory_order_relaxed) + samples;
     if (&worker == workers_.front().get()) watch_.tell(static_cast<double>(done) / static_cast<double>(area_));
+  }
+
+  /// The slice of a tile, if the page of band 1 has this tile, it is worth its time, and it has all vertices above the
+  /// tolerance. The border's vertices are not in it.
+  [[nodiscard]] const TileSlice* slice_for(const Wanted& wanted, Worker& worker) const {
+    if (wanted.id.band != 1 || !wanted.is_above) return nullptr;
+    const GridRect tile = common(page_square(wanted.id), manifest_.description.extent);
+    if (is_empty(tile) || static_cast<double>(area_of(wanted.id)) < kWorthSlice * static_cast<double>(tile.samples()))
+      return nullptr;
+    return pages_.slice(wanted.id, wanted.generation, above_.counted(), worker.slices, worker.cost);
+  }
+
+  /// Selects the vertices of a slice that lie in the region and where `has` says so; of the others, they and those that
+  /// the slice lacks count as absent.
+  template <class Has>
+  void select(const TileSlice& slice, PageId tile, Has&& has, Worker& worker) {
+    const GridPoint corner = page_square(tile).first;
+    const CodeDistance& distance = pages_.distance();
+    worker.absent.take(slice.above, distance);
+    worker.chosen_of_slice.clear();
+    worker.points_of_slice.clear();
+    for (std::uint32_t i = 0; i < slice.size(); ++i) {
+      const auto place = static_cast<std::int32_t>(slice.places[i]);
+      const GridPoint p{corner.col + place % kTileSide, corner.row + place / kTileSide};
+      if (!region_.contains(p) || !has(p)) continue;
+      const std::int32_t error = slice.errors[i];
+      if (error <= above_.counted()) {
+        worker.absent.take(error, distance);
+        continue;
+      }
+      if (above_from_ && error > above_from_->counted()) continue;
+      worker.levels.take(error, p, distance);
+      worker.chosen_of_slice.push_back(i);
+      worker.points_of_slice.push_back(p);
+    }
+    watch_.add_vertices(worker.chosen_of_slice.size());
+    for (const GridPoint p : worker.points_of_slice) {
+      std::uint64_t& word = vertices_.row_words(p.row)[static_cast<std::size_t>(p.col - region_.first.col) / 64];
+      const std::uint64_t bit = std::uint64_t{1} << static_cast<std::size_t>(p.col - region_.first.col) % 64;
+      std::atomic_ref(word).fetch_or(bit, std::memory_order_relaxed);
+    }
+    worker.found.take(slice, worker.chosen_of_slice, worker.points_of_slice);
   }
 
   /// Selects the page's own vertices that are above the tolerance or that the border needs. An increment leaves out

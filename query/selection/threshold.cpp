@@ -50,7 +50,15 @@ Threshold::Threshold(double tolerance_m, const CodeDistance& distance)
     : code_(largest_code_within(tolerance_m)),
       distance_(largest_distance_within(tolerance_m, distance)),
       eighths_(largest_eighths_within(distance_)) {
-  if (!distance.is_whole() || eighths_ < 0 || eighths_ == kMostEighths) return;
+  if (distance_ < 0) return;
+  if (!distance.is_whole()) {
+    distance_ = largest_distance_within(error_of(code_), distance);
+    eighths_ = largest_eighths_within(distance_);
+    counted_ = code_;
+    return;
+  }
+  counted_ = eighths_;
+  if (eighths_ == kMostEighths) return;
   distance_ = eighths_ / 8.0;
   code_ = largest_code_within(distance.metres(distance_));
 }

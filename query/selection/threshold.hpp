@@ -12,8 +12,8 @@ namespace talus {
 
 /// A tolerance as a code for stored errors, and as an exact distance for implied errors.
 ///
-/// In a database of whole numbers all errors count as whole eighths of a height code (Page::error_m). So a tolerance
-/// counts as the largest number of eighths within it, and pages of both forms select the same vertices.
+/// Errors count as whole eighths of a height code, or as codes (Page::counted_error). So a tolerance counts as the
+/// largest number of eighths, or the largest code, within it, and all pages and slices select the same vertices.
 class Threshold {
  public:
   /// tolerance_m  in metres, less the loss
@@ -32,11 +32,13 @@ class Threshold {
   [[nodiscard]] ErrorCode code() const { return code_; }
   [[nodiscard]] std::int32_t eighths() const { return eighths_; }  ///< of a height code; -1: the tolerance is below 0
   [[nodiscard]] double distance() const { return distance_; }      ///< in height codes
+  /// What it counts as, to compare with Page::counted_error; -1: the tolerance is below 0.
+  [[nodiscard]] std::int32_t counted() const { return counted_; }
 
  private:
   ErrorCode code_;
   double distance_;
-  std::int32_t eighths_;
+  std::int32_t eighths_, counted_ = -1;
 };
 
 /// The largest errors of the vertices that an answer leaves out.
@@ -53,6 +55,14 @@ struct LargestAbsent {
       code = std::max(code, page.errors[i]);
     }
   }
+  /// What an error of the database counts as.
+  void take(std::int32_t counted, const CodeDistance& of) {
+    if (of.is_whole()) {
+      distance = std::max(distance, counted / 8.0);
+    } else {
+      code = std::max(code, static_cast<ErrorCode>(counted));
+    }
+  }
   void take(const LargestAbsent& others) {
     code = std::max(code, others.code);
     distance = std::max(distance, others.distance);
@@ -67,6 +77,10 @@ class LargestByLevel {
     LargestAbsent& level =
         levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)];
     level.take(page, i);
+  }
+  /// What the error of a vertex at p counts as.
+  void take(std::int32_t counted, GridPoint p, const CodeDistance& of) {
+    levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)].take(counted, of);
   }
   /// An exact error in height codes of a vertex of spacing 2 to the power `height`; below 0: none.
   void take(int height, double distance) {

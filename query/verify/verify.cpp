@@ -12,6 +12,7 @@
 #include "query/verify/verify_computed.hpp"
 #include "query/verify/verify_findings.hpp"
 #include "query/verify/verify_pages.hpp"
+#include "query/verify/verify_slices.hpp"
 #include "talus/database.hpp"
 
 namespace talus {
@@ -68,6 +69,7 @@ class Verification {
                                           [&] { telling_.step("samples, errors and records", kStepsATile); });
     // Damaged pages would cause false findings here.
     if (findings_.count() == before) {
+      check_slices(pages_, decoded, of_band_1, findings_);
       check_header(totals);
       check_coarse(pages_, decoded, findings_);
     }

@@ -1,0 +1,494 @@
+#include "engine/tile/tile_slice.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "engine/machine/fail.hpp"
+#include "engine/page/page_numbers.hpp"
+
+namespace talus {
+namespace {
+
+constexpr std::uint8_t kVersion = 3;
+constexpr std::size_t kHead = 20, kShortest = 8;
+/// Numbers are within this of the base.
+constexpr std::int64_t kMostNumber = (std::int64_t{1} << 31) - 1;
+enum Flag : std::uint8_t { kHasCovers = 1, kErrorsMayBeLess = 2 };
+
+constexpr int kWords = kTileSide / 64;
+constexpr int kLevels = kTileLevels, kClasses = 5, kSources = 3;
+
+// Contexts of numbers.
+constexpr int kOfPosts = 0, kOfHeights = 1, kOfErrors = kOfHeights + 2 * kLevels * kClasses,
+              kOfEighths = kOfErrors + 2 * (kLevels - 1) * kSources, kOfCovers = kOfEighths + kBandLevels + 1;
+static_assert(kOfCovers < kContexts);
+
+std::uint64_t zigzag(std::int64_t v) {
+  return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63);
+}
+std::int64_t unzigzag(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (0 - (v & 1))); }
+
+template <class Int>
+void put(std::vector<std::byte>& out, Int value) {
+  for (std::size_t i = 0; i < sizeof(Int); ++i) out.push_back(static_cast<std::byte>(value >> (8 * i) & 0xff));
+}
+std::uint64_t whole_at(std::span<const std::byte> bytes, std::size_t at, std::size_t size) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint64_t>(bytes[at + i]) << (8 * i);
+  return value;
+}
+
+std::vector<std::byte> head_of(std::int32_t above) {
+  std::vector<std::byte> bytes;
+  put(bytes, kVersion);
+  put(bytes, std::uint8_t{0});
+  put(bytes, std::uint16_t{0});
+  put(bytes, static_cast<std::uint32_t>(above));
+  return bytes;
+}
+
+/// A grid point whose parents are vertices of the slice.
+struct Candidate {
+  std::uint32_t place;
+  std::uint8_t level;                ///< log2 of the spacing
+  bool is_side;                      ///< a side midpoint, not a centre
+  std::uint32_t ends[2], apexes[2];  ///< places of the diamond's corners
+  bool has_end[2], has_apex[2];      ///< they are vertices, or have spacing 64 and more
+};
+
+/// The row of bits, with bit c at column c + by, or c − by; columns from beyond the tile are 1.
+void shift_east(const std::uint64_t* row, int by, std::uint64_t* to) {
+  for (int w = 0; w < kWords; ++w) to[w] = row[w] << by | (w > 0 ? row[w - 1] : ~std::uint64_t{0}) >> (64 - by);
+}
+void shift_west(const std::uint64_t* row, int by, std::uint64_t* to) {
+  for (int w = 0; w < kWords; ++w)
+    to[w] = row[w] >> by | (w + 1 < kWords ? row[w + 1] : ~std::uint64_t{0}) << (64 - by);
+}
+
+/// Which columns are first, first + step … in word w of a row.
+std::uint64_t columns(int first, int step, int w) {
+  std::uint64_t bits = 0;
+  for (int c = 0; c < 64; ++c) bits |= std::uint64_t{(64 * w + c) % step == first} << c;
+  return bits;
+}
+
+/// The vertices of a slice as a set, which grows level by level.
+class Vertices {
+ public:
+  void begin(TileId id, GridRect extent) {
+    const GridPoint corner{id.x * kTileSide, id.y * kTileSide};
+    const GridRect part = common({corner, {corner.col + kTileSide - 1, corner.row + kTileSide - 1}}, extent);
+    first_ = {part.first.col - corner.col, part.first.row - corner.row};
+    last_ = {part.last.col - corner.col, part.last.row - corner.row};
+    bits_.assign(static_cast<std::size_t>(kTileSide) * kWords, 0);
+    index_.resize(static_cast<std::size_t>(kTileSide) * kTileSide);
+    // Points that are not in the tile and the extent are in nobody's way.
+    std::uint64_t outside[kWords];
+    for (int w = 0; w < kWords; ++w) {
+      outside[w] = 0;
+      for (int c = 0; c < 64; ++c) outside[w] |= std::uint64_t{64 * w + c < first_.col || 64 * w + c > last_.col} << c;
+      inside_[w] = ~outside[w];
+    }
+    for (int row = 0; row < kTileSide; ++row) {
+      std::uint64_t* words = row_of(row);
+      const bool is_outside = row < first_.row || row > last_.row;
+      for (int w = 0; w < kWords; ++w) words[w] = is_outside ? ~std::uint64_t{0} : outside[w];
+    }
+    std::fill(std::begin(beyond_), std::end(beyond_), ~std::uint64_t{0});
+    for (std::int32_t row = 0; row < kTileSide; row += kBlockSide) {
+      for (std::int32_t col = 0; col < kTileSide; col += kBlockSide) row_of(row)[col / 64] |= 1;
+    }
+  }
+
+  [[nodiscard]] bool is_inside(std::int32_t col, std::int32_t row) const {
+    return col >= first_.col && col <= last_.col && row >= first_.row && row <= last_.row;
+  }
+  /// Whether a point in the tile and the extent is a vertex or has spacing 64 and more.
+  [[nodiscard]] bool has(std::int32_t col, std::int32_t row) const {
+    return is_inside(col, row) &&
+           (bits_[static_cast<std::size_t>(row) * kWords + static_cast<std::size_t>(col) / 64] >> (col % 64) & 1) != 0;
+  }
+  std::uint32_t& index(std::uint32_t place) { return index_[place]; }
+
+  /// visit(candidate): whether it is a vertex. Level by level, centres before side midpoints, row by row.
+  template <class Visit>
+  void for_each_candidate(Visit&& visit) {
+    for (int level = kLevels - 1; level >= 0; --level) {
+      const int s = 1 << level;
+      std::uint64_t odd[kWords], even[kWords], even_square[kWords], odd_square[kWords];
+      for (int w = 0; w < kWords; ++w) {
+        odd[w] = columns(s, 2 * s, w) & inside_[w];
+        even[w] = columns(0, 2 * s, w) & inside_[w];
+        even_square[w] = columns(s, 4 * s, w) & inside_[w];
+        odd_square[w] = odd[w] & ~even_square[w];
+      }
+      std::uint64_t found[kWords], east[kWords], west[kWords], south_east[kWords], south_west[kWords];
+      for (int row = s; row < kTileSide; row += 2 * s) {
+        if (row < first_.row || row > last_.row) continue;
+        shift_west(words(row - s), s, east), shift_east(words(row - s), s, west);
+        shift_west(words(row + s), s, south_east), shift_east(words(row + s), s, south_west);
+        const bool is_even = ((row - s) & (2 * s)) == 0;
+        for (int w = 0; w < kWords; ++w) {
+          found[w] = (east[w] & south_west[w] & (is_even ? even_square : odd_square)[w]) |
+                     (west[w] & south_east[w] & (is_even ? odd_square : even_square)[w]);
+        }
+        visit_row(found, row, level, false, visit);
+      }
+      for (int row = 0; row < kTileSide; row += s) {
+        if (row < first_.row || row > last_.row) continue;
+        if ((row & s) == 0) {
+          const std::uint64_t *above = words(row - s), *below = words(row + s);
+          for (int w = 0; w < kWords; ++w) found[w] = above[w] & below[w] & odd[w];
+        } else {
+          shift_west(words(row), s, east), shift_east(words(row), s, west);
+          for (int w = 0; w < kWords; ++w) found[w] = east[w] & west[w] & even[w];
+        }
+        visit_row(found, row, level, true, visit);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::uint64_t* row_of(int row) { return &bits_[static_cast<std::size_t>(row) * kWords]; }
+  [[nodiscard]] const std::uint64_t* words(int row) { return row < 0 || row >= kTileSide ? beyond_ : row_of(row); }
+
+  template <class Visit>
+  void visit_row(const std::uint64_t* found, int row, int level, bool is_side, Visit&& visit) {
+    std::uint64_t* here = row_of(row);
+    for (int w = 0; w < kWords; ++w) {
+      std::uint64_t vertices = 0;
+      for (std::uint64_t rest = found[w]; rest != 0; rest &= rest - 1) {
+        const int bit = std::countr_zero(rest);
+        if (visit(candidate(64 * w + bit, row, level, is_side))) vertices |= std::uint64_t{1} << bit;
+      }
+      here[w] |= vertices;
+    }
+  }
+
+  [[nodiscard]] Candidate candidate(std::int32_t col, std::int32_t row, int level, bool is_side) const {
+    Candidate c{};
+    c.place = static_cast<std::uint32_t>(row * kTileSide + col);
+    c.level = static_cast<std::uint8_t>(level);
+    c.is_side = is_side;
+    const Diamond d = diamond({col, row});
+    for (int i = 0; i < 2; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const GridPoint end = d.ends[at], apex = d.apexes[at];
+      c.has_end[i] = has(end.col, end.row);
+      c.has_apex[i] = has(apex.col, apex.row);
+      c.ends[i] = static_cast<std::uint32_t>(end.row * kTileSide + end.col);
+      c.apexes[i] = static_cast<std::uint32_t>(apex.row * kTileSide + apex.col);
+    }
+    return c;
+  }
+
+  std::vector<std::uint64_t> bits_;  ///< by row, 1 where no parent is missing: vertices, and points outside
+  std::vector<std::uint32_t> index_;
+  std::uint64_t beyond_[kWords], inside_[kWords];
+  GridPoint first_, last_;
+};
+
+/// A predicted height, and the context of the difference to it.
+struct Expected {
+  std::int64_t number;
+  int context;
+};
+
+}  // namespace
+
+void TileSlice::take(const Page& page, const CodeDistance& distance) {
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+    const std::int32_t col = p.col & (kTileSide - 1), row = p.row & (kTileSide - 1);
+    if (!page.is_own(p)) {
+      if (page.id.band == 1)
+        posts[static_cast<std::size_t>(row / kBlockSide * kTileBlocks + col / kBlockSide)] = page.height(i);
+      return;
+    }
+    const std::int32_t error = page.counted_error(i, distance);
+    if (error <= above) return;
+    places.push_back(static_cast<std::uint32_t>(row * kTileSide + col));
+    heights.push_back(page.height(i));
+    errors.push_back(error);
+    if (page.covers.empty()) return;
+    covers.resize(places.size() - 1, 15);
+    covers.push_back(page.covers[i]);
+  });
+  if (!covers.empty()) covers.resize(places.size(), 15);
+}
+
+struct SliceCoder::Scratch {
+  Vertices vertices;
+  std::vector<std::int64_t> numbers;  ///< of posts, then of vertices in the order of candidates
+  std::vector<Candidate> found;
+  std::vector<std::int32_t> errors;  ///< of vertices in that order
+  std::vector<std::uint8_t> bits;    ///< of candidates
+  TileSlice slice;
+  NumberReader in;
+  NumberWriter out;
+  std::int32_t above = 0;
+  CodeDistance distance;
+  Coding coding = Coding::whole;
+  std::int64_t base = 0;
+
+  void begin(TileId id, GridRect extent) {
+    vertices.begin(id, extent);
+    numbers.clear(), found.clear(), errors.clear(), bits.clear();
+    for (std::uint32_t i = 0; i < slice.posts.size(); ++i)
+      vertices.index(i / kTileBlocks * kBlockSide * kTileSide + i % kTileBlocks * kBlockSide) = i;
+  }
+
+  [[nodiscard]] std::int64_t number_at(std::uint32_t place) { return numbers[vertices.index(place)]; }
+
+  [[nodiscard]] Expected expect(const Candidate& c) {
+    const int from = kOfHeights + kClasses * (2 * c.level + (c.is_side ? 1 : 0));
+    if (!c.has_end[0] || !c.has_end[1]) {
+      std::int64_t number = 0;
+      for (int i = 0; i < 2; ++i) number = c.has_apex[i] ? number_at(c.apexes[i]) : number;
+      for (int i = 0; i < 2; ++i) number = c.has_end[i] ? number_at(c.ends[i]) : number;
+      return {number, from + kClasses - 1};
+    }
+    const std::int64_t a = number_at(c.ends[0]), b = number_at(c.ends[1]);
+    if (!c.has_apex[0] || !c.has_apex[1]) return {(a + b) >> 1, from + kClasses - 1};
+    const std::int64_t across = number_at(c.apexes[0]) + number_at(c.apexes[1]);
+    const auto rough = static_cast<std::uint64_t>(std::abs(a + b - across) + std::abs(a - b));
+    const int size = static_cast<int>(std::bit_width(8 * rough / static_cast<std::uint64_t>(above + 1)));
+    return {(5 * (a + b) + 3 * across + 8) >> 4, from + std::min(size, kClasses - 1)};
+  }
+
+  [[nodiscard]] double height_of_number(std::int64_t number) const {
+    return height_of(static_cast<std::int64_t>(static_cast<std::uint64_t>(base) + static_cast<std::uint64_t>(number)),
+                     coding);
+  }
+  /// What the distance of a vertex from the middle of its ends counts as.
+  [[nodiscard]] std::int64_t own_error(std::int64_t number, std::int64_t a, std::int64_t b) const {
+    if (distance.is_whole()) return 4 * std::abs(2 * number - a - b);
+    const double middle = height_of_number(a) / 2 + height_of_number(b) / 2;
+    const double own = std::abs(height_of_number(number) - middle);
+    return std::isfinite(own) ? error_code(distance.metres(own)) : kAlwaysSelected;
+  }
+
+  /// The least error of a vertex, and the context of what is added to it. Its children must have theirs.
+  [[nodiscard]] Expected least_error(std::size_t i) {
+    const Candidate& c = found[i];
+    std::int64_t least = std::int64_t{above} + 1;
+    int source = 0;
+    if (c.has_end[0] && c.has_end[1]) {
+      const std::int64_t own = own_error(numbers[slice.posts.size() + i], number_at(c.ends[0]), number_at(c.ends[1]));
+      if (own > least) least = own, source = 1;
+    }
+    const Children below =
+        children({static_cast<std::int32_t>(c.place % kTileSide), static_cast<std::int32_t>(c.place / kTileSide)});
+    for (int k = 0; k < below.count; ++k) {
+      const GridPoint p = below.at[static_cast<std::size_t>(k)];
+      if (!vertices.has(p.col, p.row)) continue;
+      const std::uint32_t place = static_cast<std::uint32_t>(p.row * kTileSide + p.col);
+      const std::int64_t error = errors[vertices.index(place) - slice.posts.size()];
+      if (error >= least) least = error, source = 2;
+    }
+    return {std::min<std::int64_t>(least, kMostEighths - 1),
+            kOfErrors + kSources * (2 * std::min<int>(c.level, kLevels - 2) + (c.is_side ? 1 : 0)) + source};
+  }
+
+  /// The rung of an error: the smallest code that counts as no less.
+  [[nodiscard]] std::int32_t rung_of(std::int32_t error) const {
+    if (!distance.is_whole()) return error;
+    const double below = distance.metres((error - 1) / 8.0);
+    const std::int32_t rung = error_code(below);
+    return rung + (error_of(static_cast<ErrorCode>(rung)) <= below ? 1 : 0);
+  }
+  /// What the code of a rung counts as.
+  [[nodiscard]] std::int32_t error_at(std::int32_t rung) const {
+    return distance.is_whole() ? distance.eighths(error_of(static_cast<ErrorCode>(rung))) : rung;
+  }
+  /// The context of the eighths between an error and its rung. Errors of band 1 have none.
+  [[nodiscard]] int context_of_eighths(std::size_t i) const {
+    return kOfEighths + std::min<int>(found[i].level, kBandLevels);
+  }
+
+  void add(const Candidate& c, std::int64_t number) {
+    vertices.index(c.place) = static_cast<std::uint32_t>(numbers.size());
+    numbers.push_back(number);
+    found.push_back(c);
+  }
+};
+
+SliceCoder::SliceCoder() : scratch_(std::make_unique<Scratch>()) {}
+SliceCoder::~SliceCoder() = default;
+SliceCoder::SliceCoder(SliceCoder&&) noexcept = default;
+SliceCoder& SliceCoder::operator=(SliceCoder&&) noexcept = default;
+
+std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const CodeDistance& distance,
+                                          const TileSlice& slice) {
+  Scratch& s = *scratch_;
+  const std::vector<std::byte> nothing = head_of(kNoSlice);
+  const std::size_t posts = slice.posts.size();
+  if (slice.above == kNoSlice ||
+      std::any_of(slice.errors.begin(), slice.errors.end(), [](auto e) { return e == kMostEighths; }))
+    return nothing;
+  std::vector<double> heights(slice.posts.begin(), slice.posts.end());
+  heights.insert(heights.end(), slice.heights.begin(), slice.heights.end());
+  s.coding = choose_coding(heights, {});
+  if (distance.is_whole() && s.coding != Coding::whole) return nothing;
+  std::vector<std::int64_t> numbers(heights.size());
+  numbers_of(heights, {}, s.coding, numbers);
+  const auto [lowest, highest] = std::minmax_element(numbers.begin(), numbers.end());
+  const std::uint64_t span = static_cast<std::uint64_t>(*highest) - static_cast<std::uint64_t>(*lowest);
+  if (span > static_cast<std::uint64_t>(kMostNumber)) return nothing;
+  s.base = *lowest + static_cast<std::int64_t>(span / 2);
+  for (std::int64_t& number : numbers) number -= s.base;
+  s.above = slice.above;
+  s.distance = distance;
+  s.begin(id, extent);
+  s.out.clear();
+  for (std::size_t i = 0; i < posts; ++i) {
+    s.out.put(zigzag(numbers[i] - (i == 0 ? 0 : numbers[i % kTileBlocks == 0 ? i - kTileBlocks : i - 1])), kOfPosts);
+    s.numbers.push_back(numbers[i]);
+  }
+  std::vector<std::uint32_t> by_place(slice.size());  // sorted
+  for (std::uint32_t i = 0; i < by_place.size(); ++i) by_place[i] = i;
+  std::sort(by_place.begin(), by_place.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return slice.places[a] < slice.places[b]; });
+  const auto find = [&](std::uint32_t place) {
+    const auto at = std::lower_bound(by_place.begin(), by_place.end(), place,
+                                     [&](std::uint32_t i, std::uint32_t p) { return slice.places[i] < p; });
+    return at == by_place.end() || slice.places[*at] != place ? std::size_t{0} : std::size_t{*at} + 1;
+  };
+  std::vector<std::size_t> order;
+  s.vertices.for_each_candidate([&](const Candidate& c) {
+    const std::size_t which = find(c.place);
+    s.bits.push_back(which != 0 ? 1 : 0);
+    if (which == 0) return false;
+    const Expected expected = s.expect(c);
+    const std::int64_t number = numbers[posts + which - 1];
+    s.out.put(zigzag(number - expected.number), expected.context);
+    s.add(c, number);
+    order.push_back(which - 1);
+    return true;
+  });
+  if (order.size() != slice.size()) return nothing;
+  s.errors.resize(order.size());
+  std::vector<Expected> least(order.size());
+  bool may_be_less = false;
+  for (std::size_t i = order.size(); i-- > 0;) {
+    s.errors[i] = slice.errors[order[i]];
+    least[i] = s.least_error(i);
+    may_be_less = may_be_less || s.errors[i] < least[i].number;
+  }
+  for (std::size_t i = order.size(); i-- > 0;) {
+    const auto least_here = static_cast<std::int32_t>(least[i].number);
+    const std::int32_t rung = s.rung_of(s.errors[i]), more = rung - s.rung_of(least_here);
+    s.out.put(may_be_less ? zigzag(more) : static_cast<std::uint64_t>(more), least[i].context);
+    if (!distance.is_whole()) continue;
+    const bool is_above_least = more == 0 && !may_be_less;
+    s.out.put(static_cast<std::uint64_t>(is_above_least ? s.errors[i] - least_here : s.error_at(rung) - s.errors[i]),
+              s.context_of_eighths(i));
+  }
+  const bool has_covers = std::any_of(slice.covers.begin(), slice.covers.end(), [](auto c) { return c != 15; });
+  for (std::size_t i = 0; has_covers && i < order.size(); ++i) s.out.put(slice.covers[order[i]] ^ 15u, kOfCovers);
+  std::vector<std::byte> bytes = head_of(slice.above);
+  bytes[1] = static_cast<std::byte>((has_covers ? kHasCovers : 0) | (may_be_less ? kErrorsMayBeLess : 0));
+  bytes[2] = static_cast<std::byte>(s.coding);
+  put(bytes, static_cast<std::uint64_t>(s.base));
+  put(bytes, static_cast<std::uint32_t>((s.bits.size() + 7) / 8));
+  for (std::size_t i = 0; i < s.bits.size(); ++i) {
+    if (i % 8 == 0) bytes.push_back(std::byte{0});
+    bytes.back() |= static_cast<std::byte>(s.bits[i] << (i % 8));
+  }
+  s.out.finish(bytes);
+  return bytes;
+}
+
+std::int32_t SliceCoder::threshold_of(std::span<const std::byte> bytes) {
+  return bytes.size() < kShortest ? kMostEighths : static_cast<std::int32_t>(whole_at(bytes, 4, 4));
+}
+
+const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistance& distance,
+                                    std::span<const std::byte> bytes) {
+  Scratch& s = *scratch_;
+  const auto require = [&](bool is_right, const char* what) {
+    if (!is_right) fail(Cause::corrupt, "corrupt: slice of tile {}/{}: {}", id.x, id.y, what);
+  };
+  require(bytes.size() >= kShortest, "it is shorter than its head");
+  require(bytes[0] == std::byte{kVersion}, "unknown version");
+  const auto flags = std::to_integer<unsigned>(bytes[1]), coding = std::to_integer<unsigned>(bytes[2]);
+  const std::int32_t most = distance.is_whole() ? kMostEighths : kAlwaysSelected;
+  s.above = threshold_of(bytes);
+  s.slice = {};
+  s.slice.above = s.above;
+  if (s.above == kNoSlice) {
+    require(bytes.size() == kShortest && flags == 0 && coding == 0 && bytes[3] == std::byte{0}, "bytes follow it");
+    return s.slice;
+  }
+  require(flags <= (kHasCovers | kErrorsMayBeLess) && bytes[3] == std::byte{0}, "unknown flags");
+  require(s.above >= 0 && s.above < most, "its threshold is impossible");
+  require(coding < (distance.is_whole() ? 1u : kCodings), "its coding is impossible");
+  require(bytes.size() > kHead, "it is shorter than its head");
+  const std::size_t bit_bytes = whole_at(bytes, 16, 4);
+  require(bit_bytes < bytes.size() - kHead, "it is shorter than its parts");
+  const auto bits = bytes.subspan(kHead, bit_bytes);
+  s.coding = static_cast<Coding>(coding);
+  s.base = static_cast<std::int64_t>(whole_at(bytes, 8, 8));
+  require(std::abs(s.base / 2) < std::int64_t{1} << 61 || !distance.is_whole(), "its base is impossible");
+  s.distance = distance;
+  s.begin(id, extent);
+  s.in.start(bytes.subspan(kHead + bit_bytes));
+  TileSlice& slice = s.slice;
+  const auto number_near = [&](std::int64_t expected, int context) {
+    const std::uint64_t added = s.in.get(context);
+    const std::int64_t number = expected + unzigzag(added & 0xffffffffffff);  // so that the sum does not overflow
+    require(added >> 48 == 0 && number >= -kMostNumber && number <= kMostNumber, "a height is impossible");
+    return number;
+  };
+  for (std::size_t i = 0; i < slice.posts.size(); ++i)
+    s.numbers.push_back(number_near(i == 0 ? 0 : s.numbers[i % kTileBlocks == 0 ? i - kTileBlocks : i - 1], kOfPosts));
+  std::size_t at = 0;
+  s.vertices.for_each_candidate([&](const Candidate& c) {
+    require(at < 8 * bits.size(), "it has too few candidates");
+    const bool is_vertex = (std::to_integer<unsigned>(bits[at / 8]) >> (at % 8) & 1) != 0;
+    ++at;
+    if (!is_vertex) return false;
+    const Expected expected = s.expect(c);
+    s.add(c, number_near(expected.number, expected.context));
+    return true;
+  });
+  require((at + 7) / 8 == bits.size() && (at % 8 == 0 || std::to_integer<unsigned>(bits.back()) >> (at % 8) == 0),
+          "it has too many candidates");
+  const std::size_t count = s.found.size(), posts = slice.posts.size();
+  const bool may_be_less = (flags & kErrorsMayBeLess) != 0;
+  s.errors.resize(count);
+  for (std::size_t i = count; i-- > 0;) {
+    const Expected least = s.least_error(i);
+    const auto least_here = static_cast<std::int32_t>(least.number);
+    const std::uint64_t number = s.in.get(least.context);
+    const std::uint64_t eighths = distance.is_whole() ? s.in.get(s.context_of_eighths(i)) : 0;
+    require(number <= 2 * kAlwaysSelected && eighths < std::uint64_t{kMostEighths}, "an error is impossible");
+    const std::int64_t more = may_be_less ? unzigzag(number) : static_cast<std::int64_t>(number);
+    const std::int64_t rung = s.rung_of(least_here) + more;
+    require(rung >= 0 && rung < kAlwaysSelected, "an error is impossible");
+    const std::int64_t error = more == 0 && !may_be_less
+                                   ? std::int64_t{least_here} + static_cast<std::int64_t>(eighths)
+                                   : s.error_at(static_cast<std::int32_t>(rung)) - static_cast<std::int64_t>(eighths);
+    require(error > s.above && error < most, "an error is impossible");
+    s.errors[i] = static_cast<std::int32_t>(error);
+  }
+  slice.places.resize(count), slice.heights.resize(count), slice.errors.resize(count);
+  slice.covers.resize((flags & kHasCovers) != 0 ? count : 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    slice.places[i] = s.found[i].place;
+    slice.heights[i] = s.height_of_number(s.numbers[posts + i]);
+    slice.errors[i] = s.errors[i];
+  }
+  for (std::size_t i = 0; i < posts; ++i) slice.posts[i] = s.height_of_number(s.numbers[i]);
+  for (std::uint8_t& covers : slice.covers) {
+    const std::uint64_t missing = s.in.get(kOfCovers);
+    require(missing <= 15, "the triangles around a vertex are impossible");
+    covers = static_cast<std::uint8_t>(missing ^ 15u);
+  }
+  require(s.in.is_intact(), "it has too few or too many bits");
+  return slice;
+}
+
+}  // namespace talus

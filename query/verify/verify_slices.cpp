@@ -1,0 +1,100 @@
+#include "query/verify/verify_slices.hpp"
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "query/verify/verify_pages.hpp"
+
+namespace talus {
+namespace {
+
+class SliceChecks {
+ public:
+  SliceChecks(const StoredPages& pages, DecodedPages& decoded, Findings& findings)
+      : pages_(pages), decoded_(decoded), findings_(findings) {}
+
+  void run(const CheckedPages& of_band_1) {
+    const bool has_slices = pages_.manifest().description.finest_tolerance.value == 0;
+    pages_.transaction().for_each(kSliceTable, [&](std::uint64_t position) {
+      const auto page = of_band_1.find(position);
+      if (!has_slices || page == of_band_1.end() || !page->second.entry.present) find(page_at(1, position), "unknown");
+    });
+    for (const auto& [position, page] : of_band_1) {
+      if (has_slices && page.is_readable && page.entry.present) check(page_at(1, position), page.entry.generation);
+    }
+  }
+
+ private:
+  void find(PageId tile, const std::string& what) {
+    findings_.in(page_square(tile), fmt::format("slice of tile {}/{}: {}", tile.x, tile.y, what));
+  }
+
+  void check(PageId tile, std::uint32_t generation) {
+    try {
+      const auto stored = pages_.transaction().find({kSliceTable, curve_position(tile)});
+      if (!stored) return find(tile, "missing");
+      if (stored->generation != generation)
+        return find(tile,
+                    fmt::format("written by update {}, but its tile by update {}", stored->generation, generation));
+      const Description& d = pages_.manifest().description;
+      const TileSlice& slice = coder_.decode({tile.x, tile.y}, d.extent, pages_.distance(), stored->content);
+      if (const std::string what = difference(tile, slice); !what.empty()) find(tile, what);
+    } catch (const Failure& f) {
+      if (f.cause() != Cause::corrupt) throw;
+      find(tile, f.what());
+    }
+  }
+
+  /// The first difference between a slice and the pages of its tile; empty if there is none.
+  std::string difference(PageId tile, const TileSlice& slice) {
+    if (slice.above == kNoSlice) return "";
+    std::unordered_map<std::uint32_t, std::size_t> at;
+    for (std::size_t i = 0; i < slice.size(); ++i) at.emplace(slice.places[i], i);
+    std::size_t found = 0;
+    std::string what;
+    const auto compare = [&](PageId id) {
+      const DecodedPages::Found stored = decoded_.get(id);
+      if (!stored.page) return;  // not stored, or already reported
+      const Page& page = *stored.page;
+      for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+        if (!what.empty() || !page.is_own(p)) return;
+        const std::int32_t error = page.counted_error(i, pages_.distance());
+        if (error <= slice.above) return;
+        ++found;
+        const auto here =
+            at.find(static_cast<std::uint32_t>((p.row & (kTileSide - 1)) * kTileSide + (p.col & (kTileSide - 1))));
+        const auto differs = [&](const char* of) {
+          what = fmt::format("the {} at column {}, row {} is not that of {}", of, p.col, p.row, name_of(id));
+        };
+        if (here == at.end()) return differs("vertex");
+        const std::size_t k = here->second;
+        const int covers = page.covers.empty() ? 15 : page.covers[i];
+        if (slice.errors[k] != error) return differs("error");
+        if (slice.heights[k] != page.height(i)) return differs("height");
+        if ((slice.covers.empty() ? 15 : slice.covers[k]) != covers) return differs("triangles around the vertex");
+      });
+    };
+    compare(tile);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross; ++i)
+      compare(child_page(tile, i));
+    if (what.empty() && found != slice.size())
+      what = fmt::format("it has {} vertices, but its pages have {}", slice.size(), found);
+    return what;
+  }
+
+  const StoredPages& pages_;
+  DecodedPages& decoded_;
+  Findings& findings_;
+  SliceCoder coder_;
+};
+
+}  // namespace
+
+void check_slices(const StoredPages& pages, DecodedPages& decoded, const CheckedPages& of_band_1, Findings& findings) {
+  SliceChecks(pages, decoded, findings).run(of_band_1);
+}
+
+}  // namespace talus
