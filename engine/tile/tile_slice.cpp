@@ -16,15 +16,17 @@ constexpr std::uint8_t kVersion = 3;
 constexpr std::size_t kHead = 20, kShortest = 8;
 /// Numbers are within this of the base.
 constexpr std::int64_t kMostNumber = (std::int64_t{1} << 31) - 1;
-enum Flag : std::uint8_t { kHasCovers = 1, kErrorsMayBeLess = 2 };
+enum Flag : std::uint8_t { kHasCovers = 1, kErrorsMayBeLess = 2, kSomeAreNotAbove = 4, kAllFlags = 7 };
 
 constexpr int kWords = kTileSide / 64;
 constexpr int kLevels = kTileLevels, kClasses = 5, kSources = 3;
+constexpr int kErrorLevels = kBandLevels + 1;  ///< spacings 1, 2, 4, and those of band 1
 
 // Contexts of numbers.
 constexpr int kOfPosts = 0, kOfHeights = 1, kOfErrors = kOfHeights + 2 * kLevels * kClasses,
-              kOfEighths = kOfErrors + 2 * (kLevels - 1) * kSources, kOfCovers = kOfEighths + kBandLevels + 1;
-static_assert(kOfCovers < kContexts);
+              kOfEighths = kOfErrors + 2 * kErrorLevels * kSources, kOfCovers = kOfEighths + kErrorLevels,
+              kOfAbove = kOfCovers + 2;
+static_assert(kOfAbove < kContexts);
 
 std::uint64_t zigzag(std::int64_t v) {
   return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63);
@@ -199,7 +201,8 @@ struct Expected {
 
 }  // namespace
 
-void TileSlice::take(const Page& page, const CodeDistance& distance) {
+void TileSlice::take(const Page& page, const CodeDistance& distance, const ExtentBorder& border) {
+  const bool is_beside_border = border.is_near(page_square(page.id));
   for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
     const std::int32_t col = p.col & (kTileSide - 1), row = p.row & (kTileSide - 1);
     if (!page.is_own(p)) {
@@ -208,10 +211,10 @@ void TileSlice::take(const Page& page, const CodeDistance& distance) {
       return;
     }
     const std::int32_t error = page.counted_error(i, distance);
-    if (error <= above) return;
-    places.push_back(static_cast<std::uint32_t>(row * kTileSide + col));
+    if (error <= above && !(is_beside_border && border.contains(p))) return;
+    places.push_back(place_in_tile(p));
     heights.push_back(page.height(i));
-    errors.push_back(error);
+    errors.push_back(std::max(error, above));
     if (page.covers.empty()) return;
     covers.resize(places.size() - 1, 15);
     covers.push_back(page.covers[i]);
@@ -224,6 +227,7 @@ struct SliceCoder::Scratch {
   std::vector<std::int64_t> numbers;  ///< of posts, then of vertices in the order of candidates
   std::vector<Candidate> found;
   std::vector<std::int32_t> errors;  ///< of vertices in that order
+  std::vector<std::uint8_t> covers;  ///< of those before the one that is coded
   std::vector<std::uint8_t> bits;    ///< of candidates
   TileSlice slice;
   NumberReader in;
@@ -235,7 +239,7 @@ struct SliceCoder::Scratch {
 
   void begin(TileId id, GridRect extent) {
     vertices.begin(id, extent);
-    numbers.clear(), found.clear(), errors.clear(), bits.clear();
+    numbers.clear(), found.clear(), errors.clear(), covers.clear(), bits.clear();
     for (std::uint32_t i = 0; i < slice.posts.size(); ++i)
       vertices.index(i / kTileBlocks * kBlockSide * kTileSide + i % kTileBlocks * kBlockSide) = i;
   }
@@ -289,7 +293,7 @@ struct SliceCoder::Scratch {
       if (error >= least) least = error, source = 2;
     }
     return {std::min<std::int64_t>(least, kMostEighths - 1),
-            kOfErrors + kSources * (2 * std::min<int>(c.level, kLevels - 2) + (c.is_side ? 1 : 0)) + source};
+            kOfErrors + kSources * (2 * std::min<int>(c.level, kErrorLevels - 1) + (c.is_side ? 1 : 0)) + source};
   }
 
   /// The rung of an error: the smallest code that counts as no less.
@@ -305,7 +309,18 @@ struct SliceCoder::Scratch {
   }
   /// The context of the eighths between an error and its rung. Errors of band 1 have none.
   [[nodiscard]] int context_of_eighths(std::size_t i) const {
-    return kOfEighths + std::min<int>(found[i].level, kBandLevels);
+    return kOfEighths + std::min<int>(found[i].level, kErrorLevels - 1);
+  }
+
+  /// Whether a parent in the slice has triangles without data.
+  [[nodiscard]] int context_of_covers(std::size_t i) {
+    const Candidate& c = found[i];
+    bool all = true;
+    for (int k = 0; k < 2; ++k) {
+      const std::size_t parent = c.has_apex[k] ? vertices.index(c.apexes[k]) : 0;
+      all = all && (parent < slice.posts.size() || covers[parent - slice.posts.size()] == 15);
+    }
+    return kOfCovers + (all ? 0 : 1);
   }
 
   void add(const Candidate& c, std::int64_t number) {
@@ -371,13 +386,17 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   if (order.size() != slice.size()) return nothing;
   s.errors.resize(order.size());
   std::vector<Expected> least(order.size());
-  bool may_be_less = false;
+  bool may_be_less = false, some_are_not_above = false;
   for (std::size_t i = order.size(); i-- > 0;) {
     s.errors[i] = slice.errors[order[i]];
     least[i] = s.least_error(i);
-    may_be_less = may_be_less || s.errors[i] < least[i].number;
+    may_be_less = may_be_less || (s.errors[i] > slice.above && s.errors[i] < least[i].number);
+    some_are_not_above = some_are_not_above || s.errors[i] <= slice.above;
   }
+  for (std::size_t i = 0; some_are_not_above && i < order.size(); ++i)
+    s.out.put(s.errors[i] > slice.above ? 0 : 1, kOfAbove);
   for (std::size_t i = order.size(); i-- > 0;) {
+    if (s.errors[i] <= slice.above) continue;
     const auto least_here = static_cast<std::int32_t>(least[i].number);
     const std::int32_t rung = s.rung_of(s.errors[i]), more = rung - s.rung_of(least_here);
     s.out.put(may_be_less ? zigzag(more) : static_cast<std::uint64_t>(more), least[i].context);
@@ -387,9 +406,13 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
               s.context_of_eighths(i));
   }
   const bool has_covers = std::any_of(slice.covers.begin(), slice.covers.end(), [](auto c) { return c != 15; });
-  for (std::size_t i = 0; has_covers && i < order.size(); ++i) s.out.put(slice.covers[order[i]] ^ 15u, kOfCovers);
+  for (std::size_t i = 0; has_covers && i < order.size(); ++i) {
+    s.covers.push_back(slice.covers[order[i]]);
+    s.out.put(s.covers.back() ^ 15u, s.context_of_covers(i));
+  }
   std::vector<std::byte> bytes = head_of(slice.above);
-  bytes[1] = static_cast<std::byte>((has_covers ? kHasCovers : 0) | (may_be_less ? kErrorsMayBeLess : 0));
+  bytes[1] = static_cast<std::byte>((has_covers ? kHasCovers : 0) | (may_be_less ? kErrorsMayBeLess : 0) |
+                                    (some_are_not_above ? kSomeAreNotAbove : 0));
   bytes[2] = static_cast<std::byte>(s.coding);
   put(bytes, static_cast<std::uint64_t>(s.base));
   put(bytes, static_cast<std::uint32_t>((s.bits.size() + 7) / 8));
@@ -399,6 +422,11 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   }
   s.out.finish(bytes);
   return bytes;
+}
+
+bool SliceCoder::has(std::uint32_t place) const {
+  const auto at = static_cast<std::int32_t>(place);
+  return scratch_->vertices.has(at % kTileSide, at / kTileSide);
 }
 
 std::int32_t SliceCoder::threshold_of(std::span<const std::byte> bytes) {
@@ -422,7 +450,7 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
     require(bytes.size() == kShortest && flags == 0 && coding == 0 && bytes[3] == std::byte{0}, "bytes follow it");
     return s.slice;
   }
-  require(flags <= (kHasCovers | kErrorsMayBeLess) && bytes[3] == std::byte{0}, "unknown flags");
+  require(flags <= kAllFlags && bytes[3] == std::byte{0}, "unknown flags");
   require(s.above >= 0 && s.above < most, "its threshold is impossible");
   require(coding < (distance.is_whole() ? 1u : kCodings), "its coding is impossible");
   require(bytes.size() > kHead, "it is shorter than its head");
@@ -458,8 +486,16 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
           "it has too many candidates");
   const std::size_t count = s.found.size(), posts = slice.posts.size();
   const bool may_be_less = (flags & kErrorsMayBeLess) != 0;
-  s.errors.resize(count);
+  s.errors.assign(count, s.above + 1);
+  if ((flags & kSomeAreNotAbove) != 0) {
+    for (std::int32_t& error : s.errors) {
+      const std::uint64_t is_not_above = s.in.get(kOfAbove);
+      require(is_not_above <= 1, "an error is impossible");
+      error -= static_cast<std::int32_t>(is_not_above);
+    }
+  }
   for (std::size_t i = count; i-- > 0;) {
+    if (s.errors[i] == s.above) continue;
     const Expected least = s.least_error(i);
     const auto least_here = static_cast<std::int32_t>(least.number);
     const std::uint64_t number = s.in.get(least.context);
@@ -482,11 +518,12 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
     slice.errors[i] = s.errors[i];
   }
   for (std::size_t i = 0; i < posts; ++i) slice.posts[i] = s.height_of_number(s.numbers[i]);
-  for (std::uint8_t& covers : slice.covers) {
-    const std::uint64_t missing = s.in.get(kOfCovers);
+  for (std::size_t i = 0; i < slice.covers.size(); ++i) {
+    const std::uint64_t missing = s.in.get(s.context_of_covers(i));
     require(missing <= 15, "the triangles around a vertex are impossible");
-    covers = static_cast<std::uint8_t>(missing ^ 15u);
+    s.covers.push_back(static_cast<std::uint8_t>(missing ^ 15u));
   }
+  std::copy(s.covers.begin(), s.covers.end(), slice.covers.begin());
   require(s.in.is_intact(), "it has too few or too many bits");
   return slice;
 }

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/page/extent_border.hpp"
 #include "engine/page/number_coder.hpp"
 #include "engine/page/page.hpp"
 #include "engine/tile/tile.hpp"
@@ -22,22 +23,27 @@ namespace talus {
 /// A threshold of a slice that holds nothing.
 inline constexpr std::int32_t kNoSlice = kMostEighths;
 
-/// A tile's vertices of spacing 1 to 32 with an error above a threshold, in any order. All vectors have the same length.
-/// Errors are what they count as, see Page::counted_error.
+/// A tile's vertices of spacing 1 to 32 with an error above a threshold, and those that the border of the extent needs,
+/// in any order. All vectors have the same length. Errors are what they count as, see Page::counted_error.
 struct TileSlice {
   std::int32_t above = 0;             ///< the threshold, at least 0; kNoSlice
   std::vector<std::uint32_t> places;  ///< kTileSide · row + column, from the tile's north-west corner
   std::vector<double> heights;        ///< height codes
-  std::vector<std::int32_t> errors;
-  std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers; empty: all 15
+  std::vector<std::int32_t> errors;   ///< the threshold where they are not above it
+  std::vector<std::uint8_t> covers;   ///< RestrictedQuadtree::covers; empty: all 15
   /// Height codes of every 64th sample of the tile, row by row. Where there is no sample, any number.
   std::array<double, static_cast<std::size_t>(kTileBlocks) * kTileBlocks> posts{};
 
   [[nodiscard]] std::size_t size() const { return places.size(); }
-  /// Adds the vertices of a page of the tile, as decoded, whose errors are above the threshold. The page of band 1 also
-  /// has the posts.
-  void take(const Page& page, const CodeDistance& distance);
+  /// Adds the vertices of a page of the tile, as decoded, that belong in the slice. The page of band 1 also has the
+  /// posts.
+  void take(const Page& page, const CodeDistance& distance, const ExtentBorder& border);
 };
+
+/// The place of a grid point in its tile, see TileSlice.
+[[nodiscard]] constexpr std::uint32_t place_in_tile(GridPoint p) {
+  return static_cast<std::uint32_t>((p.row & (kTileSide - 1)) * kTileSide + (p.col & (kTileSide - 1)));
+}
 
 /// Encodes and decodes slices one after the other, reusing its memory.
 class SliceCoder {
@@ -62,6 +68,9 @@ class SliceCoder {
   /// cost   about 40 ns a vertex, and 50 µs
   [[nodiscard]] const TileSlice& decode(TileId id, GridRect extent, const CodeDistance& distance,
                                         std::span<const std::byte> bytes);
+
+  /// Whether the slice decoded last has a vertex of spacing 1 to 32 at this place.
+  [[nodiscard]] bool has(std::uint32_t place) const;
 
  private:
   struct Scratch;

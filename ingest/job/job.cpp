@@ -276,6 +276,7 @@ Job job_of(const Description& description, std::size_t bytes_a_code, std::uint64
                 job.distance,
                 band_count(d.extent),
                 d.kept_above().value,
+                std::make_shared<const ExtentBorder>(d.extent),
                 [](PageKey, std::span<const std::byte>) { return 0u; }};
   job.budget = budget_for(options.memory_bytes, threads_or_all(options.threads), d.extent, bytes_a_code, block_bytes);
   return job;

@@ -10,7 +10,7 @@ namespace {
 using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
 
 /// A slice has at most this share of the vertices of its tile.
-constexpr double kShareOfSlice = 0.02;
+constexpr double kShareOfSlice = 0.025;
 
 /// The triangles of p that leave the extent. No mesh has them. Their bits are 1, so that pages without voids store
 /// none.
@@ -330,9 +330,10 @@ class TilePacker {
     slice.above = making_.distance.counted_within(error_rung(rung));
     for (const PageBytes& page : made_.pages) {
       const PageId id = page_at(page.key.table, page.key.position);
-      if (id.band > 0 || error_of(largest_.at(page.key.position)) > error_rung(rung)) {
+      if (id.band > 0 || making_.border->is_near(page_square(id)) ||
+          error_of(largest_.at(page.key.position)) > error_rung(rung)) {
         slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, making_.distance, page.content),
-                   making_.distance);
+                   making_.distance, *making_.border);
       }
     }
     made_.slice = PageBytes{{kSliceTable, curve_position({1, id_.x, id_.y})},

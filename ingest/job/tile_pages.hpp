@@ -2,6 +2,7 @@
 // Makes the bytes of pages from errors.
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -19,7 +20,8 @@ struct PageMaking {
   HeightStep step;
   CodeDistance distance;
   int bands = kFewestBands;
-  double kept_above = 0;  ///< Description::kept_above
+  double kept_above = 0;                       ///< Description::kept_above
+  std::shared_ptr<const ExtentBorder> border;  ///< of the extent
   /// The generation of a page: that of the page it replaces if the bytes are the same.
   std::function<std::uint32_t(PageKey, std::span<const std::byte>)> generation;
 };

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "query/pages/extent_border.hpp"
+#include "engine/page/extent_border.hpp"
 #include "query/pages/nearby_pages.hpp"
 #include "query/selection/threshold.hpp"
 

@@ -72,7 +72,7 @@ class RangeQuery {
   static constexpr std::size_t kTasksAThread = 8;
   /// A slice takes as long as 16 of a tile's 64 pages.
   static constexpr double kWorthSlice = 0.25;
-  static constexpr std::uint64_t kChildren = std::uint64_t{kChildrenAcross} * kChildrenAcross;
+  static constexpr std::size_t kChildren = std::size_t{kChildrenAcross} * kChildrenAcross;
 
   struct NothingNeeded {
     bool operator()(std::size_t) const { return false; }
@@ -101,7 +101,7 @@ class RangeQuery {
     Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< 1 for each sample of a page that the border needs
     SliceCoder slices;
-    std::vector<std::uint32_t> chosen_of_slice;
+    std::vector<std::uint32_t> chosen_of_slice, forced_of_slice;
     std::vector<GridPoint> points_of_slice;
     SquareBits selected{}, coarser{};  ///< of a dense page
     detail::SortedSquare errors;       ///< of a dense page, without those that the border needs
@@ -167,7 +167,7 @@ class RangeQuery {
     watch_.look();
     std::int64_t settled = area_of(wanted.id);
     const TileSlice* slice = slice_for(wanted, worker);
-    if (slice != nullptr && !is_forced(wanted.id)) {
+    if (slice != nullptr && has_all_forced(wanted.id, worker)) {
       worker.fates.replace(wanted.id);
       select(
           *slice, wanted.id, [](GridPoint) { return true; }, worker);
@@ -202,6 +202,28 @@ class RangeQuery {
     settle(settled, worker);
   }
 
+  /// Whether the slice decoded last has all vertices of its tile that the border needs. They are then listed in
+  /// `forced_of_slice`; otherwise that is empty.
+  [[nodiscard]] bool has_all_forced(PageId tile, Worker& worker) const {
+    std::vector<std::uint32_t>& places = worker.forced_of_slice;
+    places.clear();
+    if (!is_forced(tile)) return true;
+    bool has_all = true;
+    const auto look = [&](PageId id) {
+      const auto found = forced_.find({id.band, curve_position(id)});
+      if (found == forced_.end()) return;
+      for (const GridPoint p : found->second) {
+        places.push_back(place_in_tile(p));
+        has_all = has_all && worker.slices.has(places.back());
+      }
+    };
+    look(tile);
+    for (std::size_t i = 0; has_all && i < kChildren; ++i) look(child_page(tile, i));
+    if (!has_all) places.clear();
+    std::sort(places.begin(), places.end());
+    return has_all;
+  }
+
   void settle(std::int64_t samples, Worker& worker) {
     const std::int64_t done = settled_.fetch_add(samples, std::memory_order_relaxed) + samples;
     if (&worker == workers_.front().get()) watch_.tell(static_cast<double>(done) / static_cast<double>(area_));
@@ -231,6 +253,14 @@ class RangeQuery {
       const GridPoint p{corner.col + place % kTileSide, corner.row + place / kTileSide};
       if (!region_.contains(p) || !has(p)) continue;
       const std::int32_t error = slice.errors[i];
+      const std::vector<std::uint32_t>& forced = worker.forced_of_slice;
+      if (!forced.empty() && std::binary_search(forced.begin(), forced.end(), slice.places[i])) {
+        if (above_from_) continue;
+        if (error <= above_.counted()) ++worker.forced_alone;
+        worker.chosen_of_slice.push_back(i);
+        worker.points_of_slice.push_back(p);
+        continue;
+      }
       if (error <= above_.counted()) {
         worker.absent.take(error, distance);
         continue;

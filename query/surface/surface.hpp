@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "engine/page/extent_border.hpp"
 #include "engine/quadtree/grid.hpp"
-#include "query/pages/extent_border.hpp"
 #include "query/pages/kept_heights.hpp"
 #include "query/pages/nearby_pages.hpp"
 #include "query/selection/threshold.hpp"

@@ -13,6 +13,8 @@ class ExtentBorder {
   /// cost  time in proportion to the extent's sides
   explicit ExtentBorder(GridRect extent);
   [[nodiscard]] bool contains(GridPoint p) const;
+  /// Whether one with a spacing below 64 may lie in a rectangle.
+  [[nodiscard]] bool is_near(GridRect rect) const;
   [[nodiscard]] const std::vector<GridPoint>& vertices() const { return vertices_; }
 
  private:
