@@ -28,6 +28,7 @@ constexpr Row kRows[] = {
     {"beyond the region, used", "beyond", [](const BandCost& b) { return b.beyond; }},
     {"outside the region, skipped", "outside", [](const BandCost& b) { return b.outside; }},
     {"read", "pages_read", [](const BandCost& b) { return b.pages_read; }},
+    {"slices read", "slices_read", [](const BandCost& b) { return b.slices_read; }},
     {"decoded before", "pages_cached", [](const BandCost& b) { return b.pages_cached; }},
     {"bytes read", "bytes_read", [](const BandCost& b) { return b.bytes_read; }, true},
 };

@@ -340,8 +340,11 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   Scratch& s = *scratch_;
   const std::vector<std::byte> nothing = head_of(kNoSlice);
   const std::size_t posts = slice.posts.size();
-  if (slice.above == kNoSlice ||
-      std::any_of(slice.errors.begin(), slice.errors.end(), [](auto e) { return e == kMostEighths; }))
+  s.distance = distance;
+  const auto is_beyond_ladder = [&](std::int32_t error) {
+    return error == kMostEighths || s.rung_of(error) >= kAlwaysSelected;
+  };
+  if (slice.above == kNoSlice || std::any_of(slice.errors.begin(), slice.errors.end(), is_beyond_ladder))
     return nothing;
   std::vector<double> heights(slice.posts.begin(), slice.posts.end());
   heights.insert(heights.end(), slice.heights.begin(), slice.heights.end());
@@ -355,7 +358,6 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   s.base = *lowest + static_cast<std::int64_t>(span / 2);
   for (std::int64_t& number : numbers) number -= s.base;
   s.above = slice.above;
-  s.distance = distance;
   s.begin(id, extent);
   s.out.clear();
   for (std::size_t i = 0; i < posts; ++i) {
@@ -515,6 +517,7 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
   for (std::size_t i = 0; i < count; ++i) {
     slice.places[i] = s.found[i].place;
     slice.heights[i] = s.height_of_number(s.numbers[posts + i]);
+    require(std::isfinite(slice.heights[i]), "a height is not a finite number");
     slice.errors[i] = s.errors[i];
   }
   for (std::size_t i = 0; i < posts; ++i) slice.posts[i] = s.height_of_number(s.numbers[i]);

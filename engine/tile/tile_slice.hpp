@@ -54,7 +54,7 @@ class SliceCoder {
   SliceCoder& operator=(SliceCoder&&) noexcept;
 
   /// The same slice always has the same bytes, whatever the order of its vertices. It holds nothing if that is
-  /// impossible: an error does not count in eighths, heights need more than 31 bits, or a vertex has a parent in the
+  /// impossible: an error is above the ladder, heights need more than 31 bits, or a vertex has a parent in the
   /// tile and the extent that the slice lacks.
   ///
   /// cost  about 100 ns a vertex

@@ -25,16 +25,16 @@ struct BandCost {
   std::uint64_t only_voids = 0;       ///< they are not stored, because they hold voids only
   std::uint64_t outside = 0;          ///< they lie outside the region, but a page above them does not
 
-  // What was read. A page that is used twice may be read twice, or found in the cache twice. The slice of a tile counts
-  // as a page of spacing 8.
-  std::uint64_t pages_read = 0, bytes_read = 0, pages_cached = 0;
+  // What was read. A page that is used twice may be read twice, or found in the cache twice. Slices of tiles belong to
+  // the band of spacing 8, and its bytes include theirs.
+  std::uint64_t pages_read = 0, slices_read = 0, bytes_read = 0, pages_cached = 0;
 
   /// Adds the numbers of the same band.
   BandCost& operator+=(const BandCost& other) {
     for (const auto count :
          {&BandCost::in_region, &BandCost::wanted, &BandCost::needed, &BandCost::beyond, &BandCost::from_slice,
           &BandCost::below_tolerance, &BandCost::too_fine, &BandCost::only_voids, &BandCost::outside,
-          &BandCost::pages_read, &BandCost::bytes_read, &BandCost::pages_cached})
+          &BandCost::pages_read, &BandCost::slices_read, &BandCost::bytes_read, &BandCost::pages_cached})
       this->*count += other.*count;
     return *this;
   }

@@ -4,6 +4,7 @@
 
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_codec.hpp"
+#include "engine/tile/tile_slice.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "ingest/job/plan.hpp"
 #include "storage/page_store.hpp"
@@ -26,7 +27,12 @@ StoredPage require(const ReadTxn& txn, PageKey key, const std::string& what) {
 class Check {
  public:
   Check(const ReadTxn& txn, const Description& d, const std::function<void()>& tell)
-      : txn_(txn), extent_(d.extent), bands_(band_count(d.extent)), distance_(d.step, d.metres_per_unit), tell_(tell) {}
+      : txn_(txn),
+        extent_(d.extent),
+        bands_(band_count(d.extent)),
+        distance_(d),
+        keeps_all_(d.finest_tolerance.value == 0),
+        tell_(tell) {}
 
   void run() {
     txn_.for_each(kHeaderTable, [&](std::uint64_t at) {
@@ -72,6 +78,7 @@ class Check {
     const Found found = decoded(id);
     if (found.generation != summary.entry.generation)
       refuse(fmt::format("{} and the record of its tile are from different updates", name(id)));
+    if (keeps_all_) slice(id, found.generation);
     const auto children = found.page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {
       const PageId below = child_page(id, i);
@@ -85,12 +92,21 @@ class Check {
     tell_();
   }
 
+  void slice(PageId tile, std::uint32_t generation) {
+    const std::string name = fmt::format("the slice of tile {}/{}", tile.x, tile.y);
+    const StoredPage stored = require(txn_, {kSliceTable, curve_position(tile)}, name);
+    if (stored.generation != generation) refuse(name + " and its pages are from different updates");
+    static_cast<void>(slices_.decode({tile.x, tile.y}, extent_, distance_, stored.content));
+  }
+
   const ReadTxn& txn_;
   GridRect extent_;
   int bands_;
   CodeDistance distance_;
+  bool keeps_all_;
   const std::function<void()>& tell_;
   PageDecoder decoder_;
+  SliceCoder slices_;
 };
 
 /// The message without "corrupt: FILE: " at its front.

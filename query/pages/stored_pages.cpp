@@ -70,12 +70,6 @@ BandCost* band_in(QueryCost& cost, PageId id) {
   return band < cost.bands.size() ? &cost.bands[band] : nullptr;
 }
 
-void count_read(QueryCost& cost, PageId id, std::uint64_t bytes) {
-  ++cost.pages_read;
-  cost.bytes_read += bytes;
-  if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
-}
-
 }  // namespace
 
 QueryCost StoredPages::cost_of_header() const {
@@ -97,7 +91,10 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
             what);
   };
   if (!page) corrupt("missing");
-  count_read(cost, id, page->content.size() + kPagePrefixBytes);
+  const std::uint64_t bytes = page->content.size() + kPagePrefixBytes;
+  ++cost.pages_read;
+  cost.bytes_read += bytes;
+  if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;
   if (page->generation != expected.value_or(page->generation))
     corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
@@ -122,7 +119,9 @@ const TileSlice* StoredPages::slice(PageId tile, std::uint32_t generation, std::
     fail_in(file_, Cause::corrupt, "corrupt: {}: the slice of tile {}/{} is {}", file_.string(), tile.x, tile.y, what);
   };
   if (!stored) corrupt("missing");
-  count_read(cost, tile, stored->content.size() + kPagePrefixBytes);
+  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes;
+  cost.bytes_read += bytes;
+  if (BandCost* band = band_in(cost, tile)) ++band->slices_read, band->bytes_read += bytes;
   if (stored->generation != generation)
     corrupt(fmt::format("stale: written by update {}, expected update {}", stored->generation, generation));
   const std::int32_t threshold = SliceCoder::threshold_of(stored->content);

@@ -289,7 +289,8 @@ class RangeQuery {
     if (forced.empty()) {
       above_from_ ? choose<true>(page, worker, NothingNeeded()) : choose<false>(page, worker, NothingNeeded());
       for (const auto [col, row] : worker.chosen)
-        worker.levels.take(page, page.index(col, row), page.grid.at(col, row));
+        worker.levels.take(page.counted_error(page.index(col, row), pages_.distance()), page.grid.at(col, row),
+                           pages_.distance());
     } else {
       select_beside_border(page, forced, worker);
     }
@@ -369,7 +370,7 @@ class RangeQuery {
     for (const auto [col, row] : worker.chosen) {
       const std::size_t i = page.index(col, row);
       if (is_forced[i] == 0) {
-        worker.levels.take(page, i, page.grid.at(col, row));
+        worker.levels.take(page.counted_error(i, pages_.distance()), page.grid.at(col, row), pages_.distance());
       } else if (!above_(page, i)) {
         ++worker.forced_alone;
       }

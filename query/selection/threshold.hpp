@@ -73,11 +73,6 @@ struct LargestAbsent {
 class LargestByLevel {
  public:
   explicit LargestByLevel(GridRect extent);
-  void take(const Page& page, std::size_t i, GridPoint p) {
-    LargestAbsent& level =
-        levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)];
-    level.take(page, i);
-  }
   /// What the error of a vertex at p counts as.
   void take(std::int32_t counted, GridPoint p, const CodeDistance& of) {
     levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)].take(counted, of);

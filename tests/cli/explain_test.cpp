@@ -37,7 +37,7 @@ void expect_bands(const nlohmann::json& json, const QueryCost& cost) {
     EXPECT_EQ(bands[i]["pages_read"], band.pages_read);
     read += bands[i]["pages_read"].get<std::uint64_t>();
     std::uint64_t in_region = 0;
-    for (const char* part : {"wanted", "needed", "below_tolerance", "too_fine", "only_voids", "unasked"})
+    for (const char* part : {"wanted", "needed", "from_slice", "below_tolerance", "too_fine", "only_voids", "unasked"})
       in_region += bands[i][part].get<std::uint64_t>();
     EXPECT_EQ(bands[i]["in_region"], in_region);
   }

@@ -46,7 +46,7 @@ class Tables:
     """The named tables of the LMDB file, everything checked against its checksum."""
 
     NOSUBDIR, RDONLY, NOLOCK, NOTFOUND = 0x4000, 0x20000, 0x400000, -30798
-    NAMES = {-1: b"header", 32: b"records", **{b: b"band/%02d" % b for b in range(32)}}
+    NAMES = {-1: b"header", 32: b"records", 33: b"slices", **{b: b"band/%02d" % b for b in range(32)}}
 
     def __init__(self, path):
         self.mdb, self.xxh = library("lmdb"), library("xxhash")
@@ -149,6 +149,23 @@ def diamond(p):
         return ((nw, se), (ne, sw)) if even else ((ne, sw), (nw, se))
     across, along = ((col, row - s), (col, row + s)), ((col - s, row), (col + s, row))
     return (along, across) if col & s else (across, along)
+
+
+def is_centre(p):
+    return bool(p[0] & spacing(p) and p[1] & spacing(p))
+
+
+def is_side_midpoint(p):
+    return not is_centre(p)
+
+
+def children_of(p):
+    """The vertices that have p as a parent."""
+    s = spacing(p)
+    if is_centre(p):
+        return [(p[0] - s, p[1]), (p[0] + s, p[1]), (p[0], p[1] - s), (p[0], p[1] + s)]
+    h = s // 2
+    return [(p[0] + i * h, p[1] + j * h) for i in (-1, 1) for j in (-1, 1)] if h else []
 
 
 # ---- section 7: errors -----------------------------------------------------------------------------------
@@ -268,8 +285,10 @@ def table(t):
 
 class Numbers:
     def __init__(self, content):
+        require(len(content) >= 12, "a sequence without its head")
         used = [c for c in range(96) if content[c // 8] >> c % 8 & 1]
         at = 12 + len(used)
+        require(len(content) >= at + 6, "a sequence without its head")
         self.table = dict.fromkeys(range(96), 0)
         self.table.update(zip(used, content[12:at]))
         require(all(t < 96 for t in self.table.values()), "distribution")
@@ -544,7 +563,7 @@ class Page:
                 self.distances[i] = self.distance(i, p)
             else:
                 level = min(self.spacing(p).bit_length() - 1, 3)
-                kind = 12 if self.spacing(p) >= self.database.side else 4 * level + 2 * self.is_centre(p)
+                kind = 12 if self.spacing(p) >= self.database.side else 4 * level + 2 * is_centre(p)
                 least = self.least(i, p)
                 above = numbers.get(ERRORS + kind + (least > 0))
                 require(above <= 4001, "an error beyond the ladder")
@@ -570,7 +589,7 @@ class Page:
             if flag == "1":
                 zeros = bits.find("1", at, at + 24) - at
                 if zeros >= 0:
-                    n = low_bits[2 * (self.spacing(p).bit_length() - 1) + self.is_centre(p)]
+                    n = low_bits[2 * (self.spacing(p).bit_length() - 1) + is_centre(p)]
                     number, at = zeros << n | number_of(bits[at + zeros + 1 : at + zeros + 1 + n]), at + zeros + 1 + n
                 else:
                     number, at = number_of(bits[at + 24 : at + 39]), at + 39
@@ -582,17 +601,28 @@ class Page:
     def least_eighths(self, i, p):
         least = 0
         a, b = (self.index(q) for q in diamond(p)[0])
-        counts = spacing(p) > 1 or self.is_centre(p)
+        counts = spacing(p) > 1 or is_centre(p)
         if counts and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
             least = 4 * abs(sum(signed(self.numbers[q] - self.numbers[i], 16) for q in (a, b)))
-        return max([min(least, 32767)] + [int(8 * self.distances[q]) for q in map(self.index, self.below_vertex(p))
+        return max([min(least, 32767)] + [int(8 * self.distances[q]) for q in map(self.index, children_of(p))
                                           if q is not None])
 
     def error(self, i):
-        """In metres; None where another page has it."""
+        """What it counts as, in metres; None where another page has it."""
         if i in self.distances:
-            return self.database.metres(self.distances[i])
+            metres = self.database.metres(self.distances[i])
+            return metres if self.database.integer else LADDER[bisect.bisect_left(LADDER, metres)]
         return self.database.counted(self.errors[i]) if i in self.errors else None
+
+    def count(self, i):
+        """What it counts as, in eighths of a height code or as a code; None where another page has it."""
+        if i in self.errors:
+            return self.database.counts[self.errors[i]]
+        if i not in self.distances:
+            return None
+        if self.database.integer:
+            return math.ceil(8 * self.distances[i])
+        return bisect.bisect_left(LADDER, self.database.metres(self.distances[i]))
 
     # In units, and in the page: None where it is not.
 
@@ -610,23 +640,13 @@ class Page:
     def spacing(self, p):
         return spacing(p)
 
-    def is_centre(self, p):
-        return bool(p[0] & spacing(p) and p[1] & spacing(p))
-
     def levels(self):
         """(index, unit) of own vertices: finest first, side midpoints before centres, row by row."""
         own = [(r * self.cols + c, (self.col + c, self.row + r)) for r in range(self.rows) for c in range(self.cols)
                if self.is_own(c, r)]
         key = lambda v: (min(spacing(v[1]), self.database.side),
-                         spacing(v[1]) < self.database.side and self.is_centre(v[1]))
+                         spacing(v[1]) < self.database.side and is_centre(v[1]))
         return sorted(own, key=key)  # stable: row by row
-
-    def below_vertex(self, p):
-        s = spacing(p)
-        if self.is_centre(p):
-            return [(p[0] - s, p[1]), (p[0] + s, p[1]), (p[0], p[1] - s), (p[0], p[1] + s)]
-        h = s // 2
-        return [(p[0] + i * h, p[1] + j * h) for i in (-1, 1) for j in (-1, 1)] if h else []
 
     def voids(self, numbers):
         valid, kinds = [0] * (self.cols * self.rows), {}
@@ -661,7 +681,7 @@ class Page:
     def seems_data(self, p, k, covers):
         ends, apexes = diamond(p)
         apex, end = apexes[k // 2], ends[k % 2]
-        if spacing(p) == 1 and not self.is_centre(p):
+        if spacing(p) == 1 and not is_centre(p):
             there = [self.index(q) for q in (p, apex, end)]
             return all(i is None or self.valid[i] for i in there)
         split = (apex[0] + end[0]) // 2, (apex[1] + end[1]) // 2
@@ -693,7 +713,7 @@ class Page:
         return i is not None and bool(self.valid[i])
 
     def is_implied(self, i, p):
-        s, centre = spacing(p), self.is_centre(p)
+        s, centre = spacing(p), is_centre(p)
         if s > (0, 1, 4, 4, 4)[self.form]:
             return False
         if s == 1 and not centre:
@@ -706,7 +726,7 @@ class Page:
     def distance(self, i, p):
         """The largest over the diamond and what is below, in height codes."""
         (a, b), apexes = diamond(p)
-        largest = max([self.distances[self.index(q)] for q in self.below_vertex(p)], default=0)
+        largest = max([self.distances[self.index(q)] for q in children_of(p)], default=0)
         h = self.heights
         if self.form == 1:
             return max(largest, rounded_up(h[i], h[self.index(a)], h[self.index(b)]))
@@ -729,7 +749,7 @@ class Page:
         a, b = (self.index(q) for q in diamond(p)[0])
         if self.heights and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
             metres = self.database.metres(abs(self.heights[i] - (self.heights[a] / 2 + self.heights[b] / 2)))
-        for q in map(self.index, self.below_vertex(p)):
+        for q in map(self.index, children_of(p)):
             if q in self.distances:
                 metres = max(metres, self.database.metres(self.distances[q]))
             elif q is not None:
@@ -791,6 +811,156 @@ def record(content):
     return fields
 
 
+# ---- section 4.2: slices -----------------------------------------------------------------------------------
+
+
+TILE = 1024
+NO_SLICE = 2**31 - 1
+
+
+class Slice:
+    """vertices[grid point]: (height code, what its error counts as, covers); the error is None if it is not above."""
+
+    def __init__(self, database, x, y, content):
+        self.database, self.corner, self.vertices, self.posts = database, (x * TILE, y * TILE), {}, {}
+        require(len(content) >= 8, "a slice without its head")
+        version, self.flags, self.coding, zero, self.above = struct.unpack_from("<4Bi", content)
+        require(version == 3 and self.flags <= 7 and zero == 0, "head of a slice")
+        require(self.coding <= (0 if database.integer else 8), "coding of a slice")
+        if self.above == NO_SLICE:
+            require(len(content) == 8 and self.flags == 0 and self.coding == 0, "a slice that holds nothing")
+            return
+        require(0 <= self.above < (NO_SLICE if database.integer else 4001), "threshold of a slice")
+        require(len(content) >= 20, "a slice without its head")
+        self.base, size = struct.unpack_from("<qI", content, 8)
+        require(20 + size <= len(content), "bits of a slice")
+        self.bits, numbers = bits_of(content[20 : 20 + size]), Numbers(content[20 + size :])
+        self.read_posts(numbers)
+        self.read_vertices(numbers)
+        not_above = {p for p in self.order if self.flags & 4 and self.bit(numbers)}
+        errors, covers = self.read_errors(numbers, not_above), self.read_covers(numbers)
+        numbers.finish()
+        self.vertices = {p: (self.code(p), errors.get(p), covers[p]) for p in self.order}
+
+    def is_in_tile(self, p):
+        (x, y), (c0, r0, c1, r1) = self.corner, self.database.extent
+        return (max(x, c0) <= p[0] <= min(x + TILE - 1, c1)) and (max(y, r0) <= p[1] <= min(y + TILE - 1, r1))
+
+    def code(self, p):
+        return height_code(signed(self.base + self.numbers[p]), self.coding)
+
+    @staticmethod
+    def bit(numbers):
+        bit = numbers.get(91)
+        require(bit <= 1, "neither above nor not above")
+        return bit
+
+    @staticmethod
+    def checked(number):
+        require(abs(number) <= NO_SLICE, "height of a slice")
+        return number
+
+    def read_posts(self, numbers):
+        x, y = self.corner
+        found = {}
+        for r in range(y, y + TILE, 64):
+            for c in range(x, x + TILE, 64):
+                before = found.get((c - 64, r), found.get((c, r - 64), 0))
+                found[c, r] = self.checked(before + unzigzag(numbers.get(0)))
+        self.numbers = {p: n for p, n in found.items() if self.is_in_tile(p)}  # of all known vertices
+        self.posts = {p: self.code(p) for p in self.numbers}
+
+    def read_vertices(self, numbers):
+        self.order, count = [], 0
+        for s in (32, 16, 8, 4, 2, 1):
+            for p in self.level(s, True) + self.level(s, False):
+                if not all(q in self.numbers or not self.is_in_tile(q) for q in diamond(p)[1]):
+                    continue
+                count += 1
+                require(count <= len(self.bits), "too few bits of a slice")
+                if self.bits[count - 1] == "1":
+                    predicted, kind = self.predicted(p)
+                    context = 1 + 5 * (2 * (s.bit_length() - 1) + is_side_midpoint(p)) + kind
+                    self.numbers[p] = self.checked(predicted + unzigzag(numbers.get(context)))
+                    self.order.append(p)
+        require(len(self.bits) == (count + 7) // 8 * 8 and "1" not in self.bits[count:], "bits left over in a slice")
+
+    def level(self, s, centres):
+        """The points of the tile and the extent with a spacing, row by row: the centres, or the side midpoints."""
+        (x, y), (c0, r0, c1, r1) = self.corner, self.database.extent
+        points = []
+        for r in range(y + s * centres, y + TILE, s * (1 + centres)):
+            if r0 <= r <= r1:
+                first = x if r & s and not centres else x + s  # every second column
+                points += [(c, r) for c in range(first, x + TILE, 2 * s) if c0 <= c <= c1]
+        return points
+
+    def predicted(self, p):
+        """(prediction, class)"""
+        ends, parents = ([self.numbers.get(q) for q in side] for side in diamond(p))
+        if None not in ends + parents:
+            (a, b), (c, d) = ends, parents
+            rough = 8 * (abs(a + b - c - d) + abs(a - b)) // (self.above + 1)
+            return 5 * (a + b) + 3 * (c + d) + 8 >> 4, min(rough.bit_length(), 4)
+        if None not in ends:
+            return sum(ends) >> 1, 4
+        known = [n for n in ends + parents[::-1] if n is not None]
+        return known[0] if known else 0, 4
+
+    def read_errors(self, numbers, not_above):
+        errors, may_be_less, counts = {}, self.flags & 2, self.database.counts
+        for p in reversed(self.order):
+            if p in not_above:
+                continue
+            least, source = self.least(p, errors)
+            level = min(spacing(p).bit_length() - 1, 3)
+            m = numbers.get(61 + 3 * (2 * level + is_side_midpoint(p)) + source)
+            m = unzigzag(m) if may_be_less else m
+            if not self.database.integer:
+                error = least + m
+            else:
+                k = numbers.get(85 + level)
+                if m == 0 and not may_be_less:
+                    error = least + k
+                else:
+                    code = bisect.bisect_left(counts, least) + m
+                    require(0 <= code <= 4001, "error of a slice")
+                    error = counts[code] - k
+            require(self.above < error < (NO_SLICE if self.database.integer else 4001), "error of a slice")
+            errors[p] = error
+        return errors
+
+    def least(self, p, errors):
+        """(least error, source)"""
+        least, source = self.above + 1, 0
+        a, b = diamond(p)[0]
+        if a in self.numbers and b in self.numbers:
+            d = self.own_error(p, a, b)
+            if d > least:
+                least, source = d, 1
+        for q in children_of(p):
+            if errors.get(q, -1) >= least:
+                least, source = errors[q], 2
+        return min(least, NO_SLICE - 1), source
+
+    def own_error(self, p, a, b):
+        if self.database.integer:
+            return 4 * abs(2 * self.numbers[p] - self.numbers[a] - self.numbers[b])
+        metres = self.database.metres(abs(self.code(p) - (self.code(a) / 2 + self.code(b) / 2)))
+        return bisect.bisect_left(LADDER, metres) if math.isfinite(metres) else 4001
+
+    def read_covers(self, numbers):
+        covers = {}
+        for p in self.order:
+            if self.flags & 1:
+                number = numbers.get(90 if any(covers.get(q, 15) != 15 for q in diamond(p)[1]) else 89)
+                require(number <= 15, "covers of a slice")
+                covers[p] = number ^ 15
+            else:
+                covers[p] = 15
+        return covers
+
+
 # ---- section 2, and the questions ------------------------------------------------------------------------
 
 
@@ -802,7 +972,8 @@ class Database:
         m = self.manifest = json.loads(found[0])
         require(m["talus"] == 3, "another version")
         layout, step = m["layout"], m["step"]
-        self.integer = step["integer"] and m["errors"].get("finest_tolerance", 0.0) == 0
+        self.keeps = m["errors"].get("finest_tolerance", 0.0) != 0
+        self.integer = step["integer"] and not self.keeps
         self.children, self.side, self.bands = 2 ** layout["band_levels"], layout["page_side"], layout["bands"]
         self.extent = m["extent"]
         require(m["errors"]["kind"] == "exact", "errors of another kind")
@@ -838,19 +1009,29 @@ class Database:
     def metres(self, distance):
         return distance * self.factor / self.divisor
 
-    def counted(self, code):
-        """Section 7: what an error code counts as, in metres."""
+    def eighths(self, code):
+        """Section 7: the eighths of a height code that an error code counts as; infinite where it has its own metres."""
         metres = LADDER[code]
-        if not self.integer or code in (0, 4001):
+        if code in (0, 4001):
             return metres
         k = math.ceil(metres * self.divisor / self.factor * 8)  # or one beside it
         if k > 2**31:
-            return metres
+            return math.inf
         while self.metres((k - 1) / 8) >= metres:
             k -= 1
         while self.metres(k / 8) < metres:
             k += 1
-        return self.metres(k / 8) if k < 2**31 - 1 else metres
+        return k if k < 2**31 - 1 else math.inf
+
+    @functools.cached_property
+    def counts(self):
+        """What each error code counts as: eighths, or itself."""
+        return [self.eighths(code) if self.integer else code for code in range(4002)]
+
+    def counted(self, code):
+        """Section 7: what an error code counts as, in metres."""
+        own = not self.integer or code == 0 or math.isinf(self.counts[code])
+        return LADDER[code] if own else self.metres(self.counts[code] / 8)
 
     def walk(self, region, wanted):
         """The pages that overlap a region, from the top; wanted(band, x, y, largest error) says which."""
@@ -884,6 +1065,15 @@ class Database:
         """Section 4.1: of the tile whose page of band 1 is (x, y); None where there is none."""
         found = self.tables.get(32, position(x, y))
         return found and record(found[0])
+
+    def slice(self, x, y):
+        """Section 4.2: of the tile whose page of band 1 is (x, y); None where there is none."""
+        found, page = self.tables.get(33, position(x, y)), self.tables.get(1, position(x, y))
+        if page is None or self.keeps:
+            return require(found is None, "a slice where none should be")
+        require(found is not None, "slice %d/%d is missing" % (x, y))
+        require(found[1] == page[1], "slice %d/%d is stale" % (x, y))
+        return Slice(self, x, y, found[0])
 
     def samples(self):
         """Section 8: {grid point: height} of all samples that are data."""

@@ -3,8 +3,8 @@
 
 Rasters of every coding of heights and of every form of errors, with and without voids, and databases of several inputs,
 of an update and of rounded heights go through the program; the second reader must find every sample bit for bit, for
-regions and tolerances the very triangles of the program's answer, the file's seal whole and its records in agreement
-with its pages. Exits with 77, after saying why, where a library is missing.
+regions and tolerances the very triangles of the program's answer, the file's seal whole and its records and slices in
+agreement with its pages. Exits with 77, after saying why, where a library is missing.
 """
 
 import math
@@ -205,6 +205,54 @@ def check_records(database, found):
         sys.exit("the records count %d samples, there are %d" % (valid, len(found)))
 
 
+def slices_of_pages(database):
+    """{(x, y) of each tile with a page of band 1: {grid point: (height code, error, covers, height has a meaning)}}:
+    all that a slice could hold, from the pages."""
+    found = {(x, y): {} for band, x, y in database.pages if band == 1}
+    for page in database.pages.values():
+        for i, p in page.points():
+            error = page.count(i) if page.band < 2 else None
+            if error is not None:
+                has_height = page.valid[i] or page.covers[i]
+                found[p[0] // 1024, p[1] // 1024][p] = page.heights[i], error, page.covers[i], has_height
+    return found
+
+
+def check_slices(database):
+    """Section 4.2: each slice against the pages, all of which have been read; returns (slices, vertices, flags seen)."""
+    border, seen, vertices = database.border(database.extent), set(), 0
+    tiles = slices_of_pages(database)
+    for (x, y), in_pages in tiles.items():
+        found = database.slice(x, y)
+        if found is None:
+            sys.exit("no slice of tile %d/%d" % (x, y))
+        seen |= {flag for flag in (1, 2, 4) if found.flags & flag} | ({"empty"} if found.above == read_v3.NO_SLICE else set())
+        if found.above == read_v3.NO_SLICE:
+            continue
+        expected = {p: v for p, v in in_pages.items() if v[1] > found.above or p in border}
+        if expected.keys() != found.vertices.keys():
+            sys.exit("slice %d/%d: lacks %s, has %s beyond the rule" % (
+                x, y, sorted(expected.keys() - found.vertices.keys())[:5],
+                sorted(found.vertices.keys() - expected.keys())[:5]))
+        for p, (height, error, covers, has_height) in expected.items():
+            ours = bits(height) if has_height else None, error if error > found.above else None, covers
+            theirs = found.vertices[p]
+            if ours != (bits(theirs[0]) if has_height else None, *theirs[1:]):
+                sys.exit("slice %d/%d: vertex %s is %s, the pages have %s" % (x, y, p, theirs, (height, error, covers)))
+        check_posts(database, found)
+        vertices += len(expected)
+    return len(tiles), vertices, seen
+
+
+def check_posts(database, found):
+    """A slice's heights of the vertices of spacing 64 and more."""
+    page = database.pages[1, found.corner[0] // 1024, found.corner[1] // 1024]
+    for (col, row), height in found.posts.items():
+        i = page.index((col // 8, row // 8))
+        if page.valid[i] and bits(page.heights[i]) != bits(height):
+            sys.exit("slice of %s: post %s is %s, the page has %s" % (found.corner, (col, row), height, page.heights[i]))
+
+
 def check(program, file, expected, generation=0, lossy=0.0):
     name = file.stem
     database = read_v3.Database(file)
@@ -214,6 +262,7 @@ def check(program, file, expected, generation=0, lossy=0.0):
         sys.exit("%s: loss of %g m, generation %d" % (name, database.lossy, database.manifest["generation"]))
     found = check_samples(database, expected, lossy)
     check_records(database, found)
+    slices, vertices, flags = check_slices(database)
     triangles = check_answers(program, file, database)
     pages = database.pages.values()
     kinds = {"codings": {p.coding for p in pages}, "forms": {p.form for p in pages}, "widths": {p.width for p in pages}}

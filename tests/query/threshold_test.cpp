@@ -24,7 +24,16 @@ TEST(Threshold, IsTheLargestDistanceWithinTheTolerance) {
     const Threshold above(tolerance, distance);
     ASSERT_GE(above.distance(), 0);
     ASSERT_LE(distance.metres(above.distance()), tolerance);
-    const bool in_eighths = distance.is_whole() && above.eighths() < kMostEighths;
+    if (!distance.is_whole()) {  // errors count as codes
+      ASSERT_EQ(above.counted(), above.code());
+      ASSERT_LE(error_of(above.code()), tolerance);
+      ASSERT_GT(error_of(static_cast<ErrorCode>(above.code() + 1)), tolerance);
+      ASSERT_LE(distance.metres(above.distance()), error_of(above.code()));
+      ASSERT_GT(distance.metres(std::nextafter(above.distance(), 1e308)), error_of(above.code()));
+      continue;
+    }
+    ASSERT_EQ(above.counted(), above.eighths());
+    const bool in_eighths = above.eighths() < kMostEighths;
     const double next = in_eighths ? above.distance() + 0.125 : std::nextafter(above.distance(), 1e308);
     ASSERT_GT(distance.metres(next), tolerance);
     ASSERT_TRUE(!in_eighths || above.distance() == above.eighths() / 8.0);

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/tile/tile_slice.hpp"
 #include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/forged_database.hpp"
@@ -352,6 +353,48 @@ std::optional<std::pair<Mesh, SampleWindow>> seen(const std::filesystem::path& f
   } catch (const Failure&) {
     return std::nullopt;
   }
+}
+
+TEST_F(ForgedDatabase, ASliceThatIsNotThatOfItsPagesIsFound) {
+  const Forgery sound(*folder / "a.talus");
+  const Manifest m = sound.manifest();
+  const CodeDistance distance(m.description);
+  SliceCoder coder;
+  const PageKey key{kSliceTable, curve_position({1, 0, 0})};
+  const TileSlice slice = coder.decode({0, 0}, m.description.extent, distance, sound.stored.at(key).content);
+  ASSERT_GT(slice.size(), 20u);
+  std::size_t last = 0;  // no vertex depends on it
+  for (std::size_t i = 0; i < slice.size(); ++i) {
+    if (slice.errors[i] < slice.errors[last] && slice.errors[i] > slice.above) last = i;
+  }
+  const auto with = [&](auto&& change) {
+    Forgery forged = sound;
+    TileSlice changed = slice;
+    change(changed);
+    forged.stored.at(key).content = SliceCoder().encode({0, 0}, m.description.extent, distance, changed);
+    EXPECT_NE(forged.stored.at(key).content, sound.stored.at(key).content);
+    return forged;
+  };
+  expect_found(with([&](TileSlice& s) { s.heights[5] += 1; }), "slice of tile 0/0: the height");
+  expect_found(with([&](TileSlice& s) { s.errors[last] += 1; }), "slice of tile 0/0: the error");
+  const auto with_covers = [](TileSlice& s) {
+    s.covers.assign(s.size(), 15);
+    s.covers[3] = 7;
+  };
+  expect_found(with(with_covers), "slice of tile 0/0: the triangles around the vertex", GridPoint{500, 100});
+  expect_found(with([](TileSlice& s) { s = {.above = s.above}; }), "slice of tile 0/0: the vertex");
+  EXPECT_EQ(verified(with([](TileSlice& s) { s = {.above = kNoSlice}; })).findings, std::vector<std::string>())
+      << "slower, but not wrong";
+
+  Forgery without = sound;
+  without.stored.erase(key);
+  expect_found(without, "slice of tile 0/0: missing");
+  Forgery other = sound;
+  other.stored.at(key).generation = 1;
+  expect_found(other, "slice of tile 0/0: written by update 1, but its tile by update 0");
+  Forgery more = sound;
+  more.stored[{kSliceTable, curve_position({1, 77, 0})}] = more.stored.at(key);
+  expect_found(more, "slice of tile 77/0: unknown");
 }
 
 TEST_F(ForgedDatabase, WhatAQueryRefusesOrAnswersOtherwiseIsNeverCalledSound) {

@@ -49,7 +49,7 @@ Pages random_pages(Random& random, int count, int most_bytes) {
         random.chance(0.5) ? random.next() : static_cast<std::uint64_t>(random.between(0, 300));
     const auto size =
         static_cast<std::size_t>(random.chance(0.2) ? random.between(0, 10) : random.between(0, most_bytes));
-    pages[{random.between(kHeaderTable, kRecordTable), position}] = random_bytes(random, size);
+    pages[{random.between(kHeaderTable, kSliceTable), position}] = random_bytes(random, size);
   }
   return pages;
 }
@@ -84,7 +84,7 @@ TEST(PageStore, AgreesWithAMap) {
     write(folder / "a.talus", pages);
     const ReadTxn txn(PageStore::open(folder / "a.talus"));
     expect_holds(txn, pages);
-    for (int table = kHeaderTable; table <= kRecordTable; ++table) {
+    for (int table = kHeaderTable; table <= kSliceTable; ++table) {
       std::vector<std::uint64_t> expected, found;
       std::uint64_t bytes = 0;
       std::set<std::uint64_t> shelves;

@@ -9,7 +9,7 @@ namespace talus::support {
 
 Forgery::Forgery(const std::filesystem::path& database) {
   const ReadTxn txn(PageStore::open(database));
-  for (int table = kHeaderTable; table <= kRecordTable; ++table) {
+  for (int table = kHeaderTable; table <= kSliceTable; ++table) {
     txn.for_each(table, [&](std::uint64_t position) {
       const auto found = txn.find({table, position});
       stored[{table, position}] = {{found->content.begin(), found->content.end()}, found->generation};

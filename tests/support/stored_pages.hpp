@@ -14,7 +14,7 @@ namespace talus::support {
 inline std::map<PageKey, std::string> pages_of(const std::filesystem::path& database) {
   std::map<PageKey, std::string> pages;
   const ReadTxn txn(PageStore::open(database));
-  for (int table = 0; table <= kRecordTable; ++table) {
+  for (int table = 0; table <= kSliceTable; ++table) {
     txn.for_each(table, [&](std::uint64_t position) {
       const auto content = txn.find({table, position})->content;
       pages[{table, position}] = {reinterpret_cast<const char*>(content.data()), content.size()};

@@ -1,0 +1,207 @@
+// The slice of a tile: what goes in comes out, and other bytes are refused.
+
+#include "engine/tile/tile_slice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "engine/quadtree/grid.hpp"
+#include "talus/failure.hpp"
+#include "tests/support/failure_of.hpp"
+#include "tests/support/random.hpp"
+
+namespace talus::support {
+namespace {
+
+std::size_t below(Random& random, std::size_t end) { return random.next() % end; }
+
+/// A slice, and the tile and extent it is of.
+struct Case {
+  TileId id;
+  GridRect extent;
+  CodeDistance distance;
+  TileSlice slice;
+};
+
+CodeDistance distance_of(bool whole) { return CodeDistance({whole ? 0.5 : 1, 1, 0, whole}, 1); }
+
+/// Vertices that were chosen at random, with all their parents in the tile and the extent, and saturated errors.
+Case random_case(Random& random) {
+  Case made;
+  const bool whole = random.chance(0.6);
+  made.distance = distance_of(whole);
+  made.id = {random.between(-3, 3), random.between(-3, 3)};
+  const GridPoint corner{made.id.x * kTileSide, made.id.y * kTileSide};
+  made.extent = {{corner.col - 500, corner.row - 500}, {corner.col + 2000, corner.row + 2000}};
+  if (random.chance(0.5)) {
+    made.extent.first = {corner.col + random.between(0, 600), corner.row + random.between(0, 600)};
+    made.extent.last = {made.extent.first.col + random.between(0, 900), made.extent.first.row + random.between(0, 900)};
+  }
+  const GridRect part = common({corner, {corner.col + kTileSide - 1, corner.row + kTileSide - 1}}, made.extent);
+  made.slice.above = random.chance(0.2) ? 0 : random.between(1, whole ? 4000 : 3900);
+  const int most = whole ? random.chance(0.1) ? 1'000'000'000 : 3000 : kAlwaysSelected - 1 - made.slice.above;
+  std::map<std::pair<int, int>, std::int32_t> errors;  // by row and column
+  const auto add = [&](auto&& self, GridPoint p, std::int32_t error) -> void {
+    if (!part.contains(p) || spacing(p) >= kBlockSide) return;
+    std::int32_t& here = errors[{p.row, p.col}];
+    if (here >= error) return;
+    here = error;
+    for (const GridPoint parent : diamond(p).apexes) self(self, parent, error);
+  };
+  const int count = random.chance(0.1) ? 0 : random.between(1, 1500);
+  for (int i = 0; i < count; ++i) {
+    const GridPoint p{random.between(part.first.col, part.last.col), random.between(part.first.row, part.last.row)};
+    add(add, p, made.slice.above + (random.chance(0.1) ? 0 : random.between(1, most)));
+  }
+  const double rough = std::pow(10, random.between(0, 3));
+  const double unit = whole || random.chance(0.5) ? 1 : random.chance(0.5) ? 0.1 : 0.3217;
+  const auto height = [&](GridPoint p) {
+    return std::round(300 * std::sin(p.col / 90.0) + rough * random.between(-100, 100) / 50.0) * unit + 0.0;  // not -0
+  };
+  const bool has_covers = random.chance(0.4);
+  for (const auto& [at, error] : errors) {
+    const GridPoint p{at.second, at.first};
+    made.slice.places.push_back(place_in_tile(p));
+    made.slice.heights.push_back(height(p));
+    made.slice.errors.push_back(error);
+    if (has_covers)
+      made.slice.covers.push_back(static_cast<std::uint8_t>(random.chance(0.7) ? 15 : random.between(0, 15)));
+  }
+  for (std::size_t i = 0; i < made.slice.posts.size(); ++i)
+    made.slice.posts[i] = height({static_cast<int>(i % 16) * 64, static_cast<int>(i / 16) * 64});
+  return made;
+}
+
+using Vertex = std::tuple<std::uint32_t, double, std::int32_t, int>;
+std::set<Vertex> vertices_of(const TileSlice& slice) {
+  std::set<Vertex> vertices;
+  for (std::size_t i = 0; i < slice.size(); ++i) {
+    vertices.insert(
+        {slice.places[i], slice.heights[i], slice.errors[i], slice.covers.empty() ? 15 : int{slice.covers[i]}});
+  }
+  return vertices;
+}
+
+TEST(TileSlice, ComesBackVertexByVertex) {
+  SliceCoder writer, reader;
+  int kept = 0;
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Case made = random_case(random);
+    const auto bytes = writer.encode(made.id, made.extent, made.distance, made.slice);
+    if (SliceCoder::threshold_of(bytes) == kNoSlice) continue;
+    ++kept;
+    const TileSlice& back = reader.decode(made.id, made.extent, made.distance, bytes);
+    ASSERT_EQ(back.above, made.slice.above);
+    ASSERT_EQ(SliceCoder::threshold_of(bytes), made.slice.above);
+    ASSERT_EQ(back.size(), made.slice.size());
+    ASSERT_EQ(vertices_of(back), vertices_of(made.slice));
+    ASSERT_EQ(back.posts, made.slice.posts);
+    const std::set<std::uint32_t> places(made.slice.places.begin(), made.slice.places.end());
+    for (int i = 0; i < 500; ++i) {
+      const auto place = static_cast<std::uint32_t>(random.between(0, kTileSide * kTileSide - 1));
+      const bool is_post = place % kTileSide % kBlockSide == 0 && place / kTileSide % kBlockSide == 0;
+      ASSERT_TRUE(is_post || reader.has(place) == places.contains(place));
+    }
+  }
+  EXPECT_GT(kept, 100) << "most can be sliced";
+}
+
+TEST(TileSlice, HasTheSameBytesInAnyOrder) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    Case made = random_case(random);
+    SliceCoder writer;
+    const auto bytes = writer.encode(made.id, made.extent, made.distance, made.slice);
+    TileSlice& s = made.slice;
+    for (std::size_t i = s.size(); i > 1; --i) {
+      const std::size_t j = below(random, i);
+      std::swap(s.places[i - 1], s.places[j]);
+      std::swap(s.heights[i - 1], s.heights[j]);
+      std::swap(s.errors[i - 1], s.errors[j]);
+      if (!s.covers.empty()) std::swap(s.covers[i - 1], s.covers[j]);
+    }
+    ASSERT_EQ(writer.encode(made.id, made.extent, made.distance, s), bytes) << seed;
+  }
+}
+
+TEST(TileSlice, HoldsNothingWhereAVertexLacksAParentOrAHeightIsTooFar) {
+  const GridRect extent{{0, 0}, {4000, 4000}};
+  const CodeDistance distance = distance_of(true);
+  SliceCoder coder;
+  TileSlice slice;
+  slice.places = {place_in_tile({33, 32})};  // its parents have spacings 1 and more, and none is there
+  slice.heights = {7};
+  slice.errors = {9};
+  const auto nothing = coder.encode({0, 0}, extent, distance, slice);
+  EXPECT_EQ(SliceCoder::threshold_of(nothing), kNoSlice);
+  EXPECT_EQ(nothing.size(), 8u);
+  EXPECT_EQ(coder.decode({0, 0}, extent, distance, nothing).size(), 0u);
+  slice.places = {place_in_tile({32, 32})};  // between posts
+  EXPECT_EQ(SliceCoder::threshold_of(coder.encode({0, 0}, extent, distance, slice)), 0);
+  slice.heights = {5e9};
+  EXPECT_EQ(SliceCoder::threshold_of(coder.encode({0, 0}, extent, distance, slice)), kNoSlice);
+  slice.heights = {0.5};
+  EXPECT_EQ(SliceCoder::threshold_of(coder.encode({0, 0}, extent, distance, slice)), kNoSlice) << "not whole";
+  slice.heights = {7};
+  slice.errors = {kMostEighths};
+  EXPECT_EQ(SliceCoder::threshold_of(coder.encode({0, 0}, extent, distance, slice)), kNoSlice);
+}
+
+/// The distance of a vertex may be more than its error: a void has a height that nobody measured.
+TEST(TileSlice, MayHaveErrorsBelowTheDistanceFromTheMiddle) {
+  const GridRect extent{{0, 0}, {1023, 1023}};
+  for (const bool whole : {true, false}) {
+    TileSlice slice;
+    slice.above = 10;
+    slice.places = {place_in_tile({32, 32}), place_in_tile({32, 96})};
+    slice.heights = {3000, 1};
+    slice.errors = {11, 12};
+    SliceCoder coder;
+    const auto bytes = coder.encode({0, 0}, extent, distance_of(whole), slice);
+    EXPECT_EQ(vertices_of(coder.decode({0, 0}, extent, distance_of(whole), bytes)), vertices_of(slice));
+  }
+}
+
+/// Damaged bytes are refused, or are another slice of the same tile: one that could be written.
+TEST(TileSlice, DamagedBytesAreRefusedOrSound) {
+  SliceCoder writer, reader;
+  int refused = 0, read = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const Case made = random_case(random);
+    auto bytes = writer.encode(made.id, made.extent, made.distance, made.slice);
+    switch (below(random, 4)) {
+      case 0: bytes.resize(below(random, bytes.size())); break;
+      case 1: bytes.resize(bytes.size() + 1 + below(random, 9)); break;
+      default:
+        for (int i = random.between(1, 3); i > 0; --i)
+          bytes[below(random, random.chance(0.5) ? bytes.size() : std::min<std::size_t>(bytes.size(), 150))] ^=
+              static_cast<std::byte>(1u << below(random, 8));
+    }
+    try {
+      const TileSlice& slice = reader.decode(made.id, made.extent, made.distance, bytes);
+      ++read;
+      for (std::size_t i = 0; i < slice.size(); ++i) {
+        ASSERT_LT(slice.places[i], static_cast<std::uint32_t>(kTileSide * kTileSide));
+        ASSERT_GE(slice.errors[i], slice.above);
+        ASSERT_TRUE(std::isfinite(slice.heights[i]));
+      }
+    } catch (const Failure& f) {
+      ++refused;
+      ASSERT_EQ(f.cause(), Cause::corrupt) << f.what();
+    }
+  }
+  EXPECT_GT(refused, 200);
+  EXPECT_LT(read, 200);
+}
+
+}  // namespace
+}  // namespace talus::support
