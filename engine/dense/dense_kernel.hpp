@@ -34,6 +34,7 @@ constexpr std::size_t bend_place(unsigned sum) { return sum < 64 ? sum : 64 + (s
 struct DenseStreams {
   const std::uint8_t *unary = nullptr, *flags = nullptr, *low = nullptr;
   std::size_t unary_bytes = 0, flag_bytes = 0, low_bytes = 0;
+  bool all_flagged = false;                     ///< all flags are 1, however many there are
   const std::uint16_t* patched = nullptr;       ///< places in the square, in coding order
   const std::uint64_t* patch_values = nullptr;  ///< what they are
   std::size_t patches = 0;

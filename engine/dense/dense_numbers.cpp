@@ -15,7 +15,8 @@ using namespace detail;
 constexpr int kChoices = 16;            ///< numbers of low bits that a class may have, the least one included
 constexpr unsigned kLongestUnary = 24;  ///< larger numbers are patched
 constexpr std::size_t kHead = 12 + kBendClasses / 2;
-constexpr std::size_t kBehind = 1024;  ///< readable bytes behind the streams
+constexpr std::size_t kBehind = 1024;          ///< readable bytes behind the streams
+constexpr std::uint16_t kAllFlagged = 0xffff;  ///< as the number of bytes of flags: none, and all flags are 1
 
 template <class T>
 constexpr int kBits = 8 * static_cast<int>(sizeof(T));
@@ -290,7 +291,9 @@ void DenseNumbers<T>::put(std::span<T> square, const SquareBits* stored, std::ve
   append(out, static_cast<std::uint8_t>(choice.least_bits));
   append(out, static_cast<std::uint16_t>(m.patches.size() / kPatchBytes<T>));
   append(out, static_cast<std::uint16_t>(m.unary.bytes().size()));
-  append(out, static_cast<std::uint16_t>(m.flags.bytes().size()));
+  const std::span<const std::byte> flags = m.flags.bytes();
+  const bool all_flagged = !flags.empty() && m.unary.bytes().empty();  // a flag of 0 would be followed by numbers
+  append(out, all_flagged ? kAllFlagged : static_cast<std::uint16_t>(flags.size()));
   std::uint32_t flagged = 0;
   for (std::size_t of = 0; of < kBendClasses; ++of) flagged |= (choice.is_flagged[of] ? 1u : 0u) << of;
   append(out, flagged);
@@ -298,7 +301,7 @@ void DenseNumbers<T>::put(std::span<T> square, const SquareBits* stored, std::ve
   for (std::size_t of = 0; of < kBendClasses; of += 2)
     append(out, static_cast<std::uint8_t>(nibble(of) | nibble(of + 1) << 4));
   for (const std::span<const std::byte> part :
-       {std::span<const std::byte>(m.patches), m.flags.bytes(), m.unary.bytes(), m.low.bytes()})
+       {std::span<const std::byte>(m.patches), all_flagged ? flags.first(0) : flags, m.unary.bytes(), m.low.bytes()})
     out.insert(out.end(), part.begin(), part.end());
 }
 
@@ -312,6 +315,8 @@ bool DenseNumbers<T>::get(std::span<const std::byte> bytes, const SquareBits* st
   in.patches = read<std::uint16_t>(&bytes[2]);
   in.unary_bytes = read<std::uint16_t>(&bytes[4]);
   in.flag_bytes = read<std::uint16_t>(&bytes[6]);
+  in.all_flagged = in.flag_bytes == kAllFlagged;
+  if (in.all_flagged) in.flag_bytes = 0;
   const std::size_t in_front = kHead + in.patches * kPatchBytes<T> + in.flag_bytes + in.unary_bytes;
   if (in.bend_shift >= kBits<T> || least_bits + kChoices > kBits<T> || in.flag_bytes > kDenseGroups / 8 ||
       in.patches > kDenseNumbers || in_front > bytes.size())
@@ -344,6 +349,7 @@ bool DenseNumbers<T>::get(std::span<const std::byte> bytes, const SquareBits* st
   std::uint8_t* to = m.streams.data();
   std::memcpy(to, from + in.flag_bytes, in.unary_bytes + in.low_bytes);
   std::memcpy(to + size, from, in.flag_bytes);
+  if (in.all_flagged) std::memset(to + size, 0xff, kDenseGroups / 8 + 8);
   in.unary = to;
   in.low = to + in.unary_bytes;
   in.flags = to + size;

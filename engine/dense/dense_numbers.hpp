@@ -13,7 +13,7 @@
 // The bytes: bend shift (1), least number of low bits (1), numbers that are listed apart (2), bytes of unary parts (2)
 // and of flags (2), a bit for each class whose groups have flags (4), low bits of 26 classes beyond the least number (4
 // bits each), the listed numbers (place 2, number 2 to 8), flags, unary parts, low bits. Little endian, lowest bits
-// first.
+// first. Bytes of flags 65535: there are none, and all flags are 1, as where the ground is flat.
 //
 // source  Rice codes: R. F. Rice, JPL 79-22, 1979; grouping and two streams: ours (docs/decisions/0012-dense-pages.md)
 

@@ -226,7 +226,7 @@ bool read_plainly(const DenseStreams& in, T* square, DenseMemory<T>&) {
   });
   std::size_t ones_left = 0;
   for (; one_at < 8 * in.unary_bytes; ++one_at) ones_left += bit(in.unary, one_at) ? 1 : 0;
-  return enough && ones_left == 0 && low_at == in.low_bytes && (flag_at + 7) / 8 == in.flag_bytes &&
+  return enough && ones_left == 0 && low_at == in.low_bytes && (in.all_flagged || (flag_at + 7) / 8 == in.flag_bytes) &&
          patch == in.patches;
 }
 

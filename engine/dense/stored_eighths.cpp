@@ -13,6 +13,7 @@ using detail::SortedSquare;
 constexpr int kSide = detail::kDenseSide;
 constexpr int kMostError = std::numeric_limits<std::int16_t>::max();
 constexpr int kMostLowBits = 14;
+constexpr std::byte kAllLeast{15};  ///< more than the most low bits: nothing follows
 
 struct At {
   int col, row;
@@ -152,6 +153,10 @@ bool StoredEighths::put(std::span<const std::int16_t> square, SortedSquare& erro
     error = static_cast<std::int16_t>(std::max(from, int{error}));
     above.push_back(static_cast<unsigned>(error - from));
   }
+  if (std::all_of(above.begin(), above.end(), [](unsigned number) { return number == 0; })) {
+    out.push_back(kAllLeast);
+    return all_possible;
+  }
   std::array<int, kLevels> low_bits{};
   for (std::size_t level = 0; level < kLevels; ++level) {
     std::int64_t least_bits = std::numeric_limits<std::int64_t>::max();
@@ -186,6 +191,11 @@ std::size_t StoredEighths::get(std::span<const std::byte> bytes, std::span<const
                                SortedSquare& errors) const {
   if (bytes.empty()) return 0;
   if (vertices_.empty()) return bytes[0] == std::byte{0} ? 1 : 0;
+  if (bytes[0] == kAllLeast) {
+    for (const Vertex& v : vertices_)
+      errors.numbers[v.error] = static_cast<std::int16_t>(least(v, square.data(), errors.numbers));
+    return 1;
+  }
   Reader numbers(bytes);
   std::array<int, kLevels> low_bits{};
   for (int& k : low_bits) {

@@ -7,7 +7,7 @@
 //
 // The bytes: low bits of six levels (4 bits each: spacing 1, 2, 4, side midpoints before centres), the bits of all
 // vertices, then the numbers, less 1, as Rice codes. A code of 24 zeros is followed by 15 bits: the number itself.
-// Lowest bits first. Vertices come by level, row by row.
+// Lowest bits first. Vertices come by level, row by row. If all are exactly that, one byte 15 is everything.
 
 #include <cstddef>
 #include <cstdint>

@@ -73,7 +73,7 @@ TEST_F(Words, AnAccuracyReportsCaveatsAreNotes) {
 }
 
 TEST_F(Words, AnInterruptedIngestSaysSoOnALineOfItsOwn) {
-  raster = plane(5000, 5000);
+  raster = plane(8000, 8000);  // so that it takes more than a second
   make_raster("large.tif");
   int terminal = -1;
   const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);

@@ -59,9 +59,9 @@ Case random_case(Random& random) {
     add(add, p, made.slice.above + (random.chance(0.1) ? 0 : random.between(1, most)));
   }
   const double rough = std::pow(10, random.between(0, 3));
-  const double unit = whole || random.chance(0.5) ? 1 : random.chance(0.5) ? 0.1 : 0.3217;
+  const double unit = whole || random.chance(0.5) ? 1 : random.chance(0.8) ? 10 : 3.1;
   const auto height = [&](GridPoint p) {
-    return std::round(300 * std::sin(p.col / 90.0) + rough * random.between(-100, 100) / 50.0) * unit + 0.0;  // not -0
+    return std::round(300 * std::sin(p.col / 90.0) + rough * random.between(-100, 100) / 50.0) / unit + 0.0;  // not -0
   };
   const bool has_covers = random.chance(0.4);
   for (const auto& [at, error] : errors) {
@@ -110,7 +110,7 @@ TEST(TileSlice, ComesBackVertexByVertex) {
       ASSERT_TRUE(is_post || reader.has(place) == places.contains(place));
     }
   }
-  EXPECT_GT(kept, 100) << "most can be sliced";
+  EXPECT_GT(kept, 80) << "most can be sliced, but no doubles with all their bits";
 }
 
 TEST(TileSlice, HasTheSameBytesInAnyOrder) {

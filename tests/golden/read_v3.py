@@ -383,6 +383,8 @@ class HeightNumbers:
             place, number = content[at : at + 2], content[at + 2 : at + 2 + self.w // 8]
             self.apart.append((int.from_bytes(place, "little"), int.from_bytes(number, "little")))
             at += 2 + self.w // 8
+        self.all_flagged = flags == 65535
+        flags = 0 if self.all_flagged else flags
         require(at + flags + high <= len(content), "streams of heights")
         self.flags, self.flag_at = bits_of(content[at : at + flags]), 0
         self.high, self.high_at = bits_of(content[at + flags : at + flags + high]).split("1"), 0  # zeros before each 1
@@ -464,6 +466,8 @@ class HeightNumbers:
         if not stored:
             return
         if self.flagged[of]:
+            if self.all_flagged:
+                return
             self.flag_at += 1
             require(self.flag_at <= len(self.flags), "too few flags of heights")
             if self.flags[self.flag_at - 1] == "1":
@@ -579,6 +583,8 @@ class Page:
                 vertices.append((i, p))
         if not vertices:
             return require(content == b"\0", "errors in eighths of a page without any")
+        if content == b"\x0f":  # all are the least possible ones: as if all flags were 0
+            content = bytes(3 + (len(vertices) + 7) // 8)
         bits = bits_of(content)
         low_bits = [number_of(bits[4 * k : 4 * k + 4]) for k in range(6)]
         require(max(low_bits) <= 14, "low bits of errors in eighths")
@@ -1010,7 +1016,7 @@ class Database:
         return distance * self.factor / self.divisor
 
     def eighths(self, code):
-        """Section 7: the eighths of a height code that an error code counts as; infinite where it has its own metres."""
+        """Section 7: how many eighths of a height code a code counts as; infinite where it counts as its own metres."""
         metres = LADDER[code]
         if code in (0, 4001):
             return metres

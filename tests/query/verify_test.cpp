@@ -377,13 +377,18 @@ TEST_F(ForgedDatabase, ASliceThatIsNotThatOfItsPagesIsFound) {
   };
   expect_found(with([&](TileSlice& s) { s.heights[5] += 1; }), "slice of tile 0/0: the height");
   expect_found(with([&](TileSlice& s) { s.errors[last] += 1; }), "slice of tile 0/0: the error");
+  const auto of_none = [](std::int32_t above) {
+    TileSlice none;
+    none.above = above;
+    return none;
+  };
   const auto with_covers = [](TileSlice& s) {
     s.covers.assign(s.size(), 15);
     s.covers[3] = 7;
   };
   expect_found(with(with_covers), "slice of tile 0/0: the triangles around the vertex", GridPoint{500, 100});
-  expect_found(with([](TileSlice& s) { s = {.above = s.above}; }), "slice of tile 0/0: the vertex");
-  EXPECT_EQ(verified(with([](TileSlice& s) { s = {.above = kNoSlice}; })).findings, std::vector<std::string>())
+  expect_found(with([&](TileSlice& s) { s = of_none(s.above); }), "slice of tile 0/0: the vertex");
+  EXPECT_EQ(verified(with([&](TileSlice& s) { s = of_none(kNoSlice); })).findings, std::vector<std::string>())
       << "slower, but not wrong";
 
   Forgery without = sound;
