@@ -354,7 +354,7 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   numbers_of(heights, {}, s.coding, numbers);
   const auto [lowest, highest] = std::minmax_element(numbers.begin(), numbers.end());
   const std::uint64_t span = static_cast<std::uint64_t>(*highest) - static_cast<std::uint64_t>(*lowest);
-  if (span > static_cast<std::uint64_t>(kMostNumber)) return nothing;
+  if (span > 2 * static_cast<std::uint64_t>(kMostNumber)) return nothing;
   s.base = *lowest + static_cast<std::int64_t>(span / 2);
   for (std::int64_t& number : numbers) number -= s.base;
   s.above = slice.above;
@@ -385,7 +385,11 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
     order.push_back(which - 1);
     return true;
   });
-  if (order.size() != slice.size()) return nothing;
+  const auto is_above = [&](std::int32_t error) { return error > slice.above; };
+  std::size_t above_found = 0;
+  for (const std::size_t i : order) above_found += is_above(slice.errors[i]) ? 1 : 0;
+  if (static_cast<std::ptrdiff_t>(above_found) != std::count_if(slice.errors.begin(), slice.errors.end(), is_above))
+    return nothing;
   s.errors.resize(order.size());
   std::vector<Expected> least(order.size());
   bool may_be_less = false, some_are_not_above = false;

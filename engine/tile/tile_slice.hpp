@@ -53,9 +53,10 @@ class SliceCoder {
   SliceCoder(SliceCoder&&) noexcept;
   SliceCoder& operator=(SliceCoder&&) noexcept;
 
-  /// The same slice always has the same bytes, whatever the order of its vertices. It holds nothing if that is
-  /// impossible: an error is above the ladder, heights need more than 31 bits, or a vertex has a parent in the
-  /// tile and the extent that the slice lacks.
+  /// The same slice always has the same bytes, whatever the order of its vertices. A vertex that is not above the
+  /// threshold is left out if a parent of it that lies in the tile and the extent is not in the slice: so it is where the
+  /// border of the extent runs through pages that are not stored. The slice holds nothing if one that is above lacks a
+  /// parent, an error is above the ladder, or heights need more than 32 bits.
   ///
   /// cost  about 100 ns a vertex
   [[nodiscard]] std::vector<std::byte> encode(TileId id, GridRect extent, const CodeDistance& distance,

@@ -53,6 +53,13 @@ class SliceChecks {
     if (slice.above == kNoSlice) return "";
     std::unordered_map<std::uint32_t, std::size_t> at;
     for (std::size_t i = 0; i < slice.size(); ++i) at.emplace(slice.places[i], i);
+    const GridRect part = common(page_square(tile), pages_.manifest().description.extent);
+    const auto lacks_parent = [&](GridPoint p) {
+      const auto parents = diamond(p).apexes;
+      return std::any_of(parents.begin(), parents.end(), [&](GridPoint parent) {
+        return part.contains(parent) && spacing(parent) < kBlockSide && !at.contains(place_in_tile(parent));
+      });
+    };
     std::size_t found = 0;
     std::string what;
     const auto compare = [&](PageId id) {
@@ -62,9 +69,10 @@ class SliceChecks {
       for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
         if (!what.empty() || !page.is_own(p)) return;
         const std::int32_t error = page.counted_error(i, pages_.distance());
-        if (error <= slice.above && !pages_.extent_border().contains(p)) return;
-        ++found;
         const auto here = at.find(place_in_tile(p));
+        if (error <= slice.above && (!pages_.extent_border().contains(p) || (here == at.end() && lacks_parent(p))))
+          return;
+        ++found;
         const auto differs = [&](const char* of) {
           what = fmt::format("the {} at column {}, row {} is not that of {}", of, p.col, p.row, name_of(id));
         };

@@ -48,9 +48,9 @@ Case random_case(Random& random) {
   std::map<std::pair<int, int>, std::int32_t> errors;  // by row and column
   const auto add = [&](auto&& self, GridPoint p, std::int32_t error) -> void {
     if (!part.contains(p) || spacing(p) >= kBlockSide) return;
-    std::int32_t& here = errors[{p.row, p.col}];
-    if (here >= error) return;
-    here = error;
+    const auto [here, is_new] = errors.try_emplace({p.row, p.col}, error);
+    if (!is_new && here->second >= error) return;
+    here->second = error;
     for (const GridPoint parent : diamond(p).apexes) self(self, parent, error);
   };
   const int count = random.chance(0.1) ? 0 : random.between(1, 1500);
@@ -143,6 +143,11 @@ TEST(TileSlice, HoldsNothingWhereAVertexLacksAParentOrAHeightIsTooFar) {
   EXPECT_EQ(SliceCoder::threshold_of(nothing), kNoSlice);
   EXPECT_EQ(nothing.size(), 8u);
   EXPECT_EQ(coder.decode({0, 0}, extent, distance, nothing).size(), 0u);
+  slice.errors = {0};
+  const auto left_out = coder.encode({0, 0}, extent, distance, slice);
+  EXPECT_EQ(SliceCoder::threshold_of(left_out), 0) << "not above: only the border of the extent asked for it";
+  EXPECT_EQ(coder.decode({0, 0}, extent, distance, left_out).size(), 0u);
+  slice.errors = {9};
   slice.places = {place_in_tile({32, 32})};  // between posts
   EXPECT_EQ(SliceCoder::threshold_of(coder.encode({0, 0}, extent, distance, slice)), 0);
   slice.heights = {5e9};

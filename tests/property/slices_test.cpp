@@ -1,0 +1,120 @@
+// Answers from slices are those from pages.
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/tile/tile_slice.hpp"
+#include "query/snapshot_view.hpp"
+#include "talus/ingest.hpp"
+#include "talus/talus.hpp"
+#include "tests/support/forged_database.hpp"
+#include "tests/support/quadtrees.hpp"
+#include "tests/support/random_raster.hpp"
+#include "tests/support/real_models.hpp"
+
+namespace talus::support {
+namespace {
+
+/// The same database, but its slices hold nothing. Returns their thresholds, in metres.
+std::vector<double> write_without_slices(const std::filesystem::path& database, const std::filesystem::path& without) {
+  Forgery forged(database);
+  const Manifest m = forged.manifest();
+  const CodeDistance distance(m.description);
+  std::vector<double> thresholds;
+  TileSlice nothing;
+  nothing.above = kNoSlice;
+  for (auto& [key, stored] : forged.stored) {
+    if (key.table != kSliceTable) continue;
+    const std::int32_t above = SliceCoder::threshold_of(stored.content);
+    if (above != kNoSlice)
+      thresholds.push_back(distance.is_whole() ? distance.metres(above / 8.0)
+                                               : error_of(static_cast<ErrorCode>(above)));
+    stored.content = SliceCoder().encode({0, 0}, m.description.extent, distance, nothing);
+  }
+  forged.write(without);
+  return thresholds;
+}
+
+std::uint64_t from_slices(const QueryCost& cost) {
+  std::uint64_t count = 0;
+  for (const BandCost& band : cost.bands) count += band.from_slice;
+  return count;
+}
+
+/// Pages that slices replaced. The bounds may differ: pages count more of what lies outside the region,
+/// slices what they leave out as their threshold.
+std::uint64_t expect_same(const Question& question, const Snapshot& with, const Snapshot& without) {
+  Answer a = with.ask(question), b = without.ask(question);
+  EXPECT_EQ(from_slices(b.cost), 0u);
+  EXPECT_EQ(a.border_vertices, b.border_vertices);
+  const double rounding = 1e-9;
+  EXPECT_LE(a.quadtree.bound.value, std::max(b.quadtree.bound.value, question.tolerance.value + rounding));
+  b.quadtree.bound = a.quadtree.bound;
+  EXPECT_EQ(difference(a.quadtree, b.quadtree), "");
+  return from_slices(a.cost);
+}
+
+TEST(Slices, GiveTheAnswersOfPages) {
+  const SizeLimits limits{.least_cols = 1, .least_rows = 1, .most_cols = 1400, .most_rows = 300};
+  std::uint64_t replaced = 0;
+  const auto one = property_seed();
+  for (std::uint64_t seed = one ? *one : 73000; seed < (one ? *one + 1 : 73000 + std::uint64_t(property_cases(300)));
+       ++seed) {
+    const RandomRaster raster = random_raster(seed, limits);
+    SCOPED_TRACE(raster.description);
+    const TempFolder folder;
+    write_raster(raster.terrain, folder / "a.tif", raster.file);
+    IngestOptions options;
+    options.void_weight = raster.void_weight;
+    ingest(folder / "a.tif", folder / "a.talus", options);
+    const auto thresholds = write_without_slices(folder / "a.talus", folder / "b.talus");
+    const Snapshot with = Database::open(folder / "a.talus", {.threads = 2}).snapshot();
+    const Snapshot without = Database::open(folder / "b.talus", {.threads = 1}).snapshot();
+    Random random(seed);
+    for (int i = 0; i < 6; ++i) {
+      const bool is_near = random.chance(0.8) && !thresholds.empty();  // most others are below or above all of a slice
+      const double tolerance = is_near ? thresholds[static_cast<std::size_t>(random.next() % thresholds.size())] *
+                                             (random.chance(0.3) ? 1 : random.within(0.98, 1.5))
+                                       : random_tolerance(random);
+      Question question{.region = random_region(random, raster.terrain), .tolerance = Metres{tolerance}};
+      replaced += expect_same(question, with, without);
+      if (tolerance == 0 || tolerance > 1e9 || random.chance(0.5)) continue;
+      question.from = Metres{tolerance * random.within(1.01, 5)};
+      replaced += expect_same(question, with, without);
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_TRUE(one || replaced > 100) << replaced << ": slices were hardly ever used";
+}
+
+TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {
+  for (const char* name : {"srtm3_N46E008.tif", "kenya_central_z11.tif", "gabilan.bil"}) {
+    SCOPED_TRACE(name);
+    const TempFolder folder;
+    const RealModel model = real_model(name, folder);
+    if (!model.file) GTEST_SKIP() << model.why_not;
+    ingest(*model.file, folder / "a.talus");
+    static_cast<void>(write_without_slices(folder / "a.talus", folder / "b.talus"));
+    const Snapshot with = Database::open(folder / "a.talus").snapshot();
+    const Snapshot without = Database::open(folder / "b.talus").snapshot();
+    const GridRect extent = with.description().extent;
+    Random random(5);
+    std::uint64_t replaced = 0;
+    for (const double tolerance : {2000.0, 1000.0, 437.3, 200.0, 100.0, 50.0, 21.7, 10.0, 2.0, 1.0}) {
+      replaced += expect_same({.region = extent, .tolerance = Metres{tolerance}}, with, without);
+      const GridPoint first{random.between(extent.first.col, extent.last.col - 500),
+                            random.between(extent.first.row, extent.last.row - 500)};
+      const GridRect region{first,
+                            {std::min(first.col + 1500, extent.last.col), std::min(first.row + 1200, extent.last.row)}};
+      replaced += expect_same({.region = region, .tolerance = Metres{tolerance}}, with, without);
+      replaced +=
+          expect_same({.region = region, .tolerance = Metres{tolerance}, .from = Metres{3 * tolerance}}, with, without);
+    }
+    EXPECT_GT(replaced, 10u);
+  }
+}
+
+}  // namespace
+}  // namespace talus::support
