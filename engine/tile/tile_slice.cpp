@@ -298,7 +298,7 @@ struct SliceCoder::Scratch {
 
   /// The rung of an error: the smallest code that counts as no less.
   [[nodiscard]] std::int32_t rung_of(std::int32_t error) const {
-    if (!distance.is_whole()) return error;
+    if (!distance.is_whole() || error == 0) return error;
     const double below = distance.metres((error - 1) / 8.0);
     const std::int32_t rung = error_code(below);
     return rung + (error_of(static_cast<ErrorCode>(rung)) <= below ? 1 : 0);
