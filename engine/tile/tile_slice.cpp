@@ -16,6 +16,7 @@ constexpr std::uint8_t kVersion = 3;
 constexpr std::size_t kHead = 20, kShortest = 8;
 /// Numbers are within this of the base.
 constexpr std::int64_t kMostNumber = (std::int64_t{1} << 31) - 1;
+constexpr int kMostShift = 40;  ///< more than any bend has bits
 enum Flag : std::uint8_t { kHasCovers = 1, kErrorsMayBeLess = 2, kSomeAreNotAbove = 4, kAllFlags = 7 };
 
 constexpr int kWords = kTileSide / 64;
@@ -233,6 +234,7 @@ struct SliceCoder::Scratch {
   NumberReader in;
   NumberWriter out;
   std::int32_t above = 0;
+  int shift = 0;  ///< bends count in units of 2 to this power
   CodeDistance distance;
   Coding coding = Coding::whole;
   std::int64_t base = 0;
@@ -246,6 +248,24 @@ struct SliceCoder::Scratch {
 
   [[nodiscard]] std::int64_t number_at(std::uint32_t place) { return numbers[vertices.index(place)]; }
 
+  /// How far the ground around a vertex is from a level plane: its ends, and the sum of its apexes.
+  [[nodiscard]] static std::uint64_t bend_around(std::int64_t a, std::int64_t b, std::int64_t across) {
+    return static_cast<std::uint64_t>(std::abs(a + b - across) + std::abs(a - b));
+  }
+  /// A shift with which half of all bends have two bits or fewer left.
+  [[nodiscard]] int usual_shift() {
+    std::vector<std::uint64_t> bends;
+    for (const Candidate& c : found) {
+      if (c.has_end[0] && c.has_end[1] && c.has_apex[0] && c.has_apex[1]) {
+        bends.push_back(
+            bend_around(number_at(c.ends[0]), number_at(c.ends[1]), number_at(c.apexes[0]) + number_at(c.apexes[1])));
+      }
+    }
+    if (bends.empty()) return 0;
+    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+    std::nth_element(bends.begin(), middle, bends.end());
+    return std::max(0, static_cast<int>(std::bit_width(*middle)) - 2);
+  }
   [[nodiscard]] Expected expect(const Candidate& c) {
     const int from = kOfHeights + kClasses * (2 * c.level + (c.is_side ? 1 : 0));
     if (!c.has_end[0] || !c.has_end[1]) {
@@ -257,8 +277,7 @@ struct SliceCoder::Scratch {
     const std::int64_t a = number_at(c.ends[0]), b = number_at(c.ends[1]);
     if (!c.has_apex[0] || !c.has_apex[1]) return {(a + b) >> 1, from + kClasses - 1};
     const std::int64_t across = number_at(c.apexes[0]) + number_at(c.apexes[1]);
-    const auto rough = static_cast<std::uint64_t>(std::abs(a + b - across) + std::abs(a - b));
-    const int size = static_cast<int>(std::bit_width(8 * rough / static_cast<std::uint64_t>(above + 1)));
+    const int size = static_cast<int>(std::bit_width(bend_around(a, b, across) >> shift));
     return {(5 * (a + b) + 3 * across + 8) >> 4, from + std::min(size, kClasses - 1)};
   }
 
@@ -378,13 +397,15 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
     const std::size_t which = find(c.place);
     s.bits.push_back(which != 0 ? 1 : 0);
     if (which == 0) return false;
-    const Expected expected = s.expect(c);
-    const std::int64_t number = numbers[posts + which - 1];
-    s.out.put(zigzag(number - expected.number), expected.context);
-    s.add(c, number);
+    s.add(c, numbers[posts + which - 1]);
     order.push_back(which - 1);
     return true;
   });
+  s.shift = s.usual_shift();
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Expected expected = s.expect(s.found[i]);
+    s.out.put(zigzag(s.numbers[posts + i] - expected.number), expected.context);
+  }
   const auto is_above = [&](std::int32_t error) { return error > slice.above; };
   std::size_t above_found = 0;
   for (const std::size_t i : order) above_found += is_above(slice.errors[i]) ? 1 : 0;
@@ -420,6 +441,7 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   bytes[1] = static_cast<std::byte>((has_covers ? kHasCovers : 0) | (may_be_less ? kErrorsMayBeLess : 0) |
                                     (some_are_not_above ? kSomeAreNotAbove : 0));
   bytes[2] = static_cast<std::byte>(s.coding);
+  bytes[3] = static_cast<std::byte>(s.shift);
   put(bytes, static_cast<std::uint64_t>(s.base));
   put(bytes, static_cast<std::uint32_t>((s.bits.size() + 7) / 8));
   for (std::size_t i = 0; i < s.bits.size(); ++i) {
@@ -456,7 +478,9 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
     require(bytes.size() == kShortest && flags == 0 && coding == 0 && bytes[3] == std::byte{0}, "bytes follow it");
     return s.slice;
   }
-  require(flags <= kAllFlags && bytes[3] == std::byte{0}, "unknown flags");
+  require(flags <= kAllFlags, "unknown flags");
+  s.shift = std::to_integer<int>(bytes[3]);
+  require(s.shift < kMostShift, "its shift is impossible");
   require(s.above >= 0 && s.above < most, "its threshold is impossible");
   require(coding < (distance.is_whole() ? 1u : kCodings), "its coding is impossible");
   require(bytes.size() > kHead, "it is shorter than its head");

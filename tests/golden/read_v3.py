@@ -830,11 +830,11 @@ class Slice:
     def __init__(self, database, x, y, content):
         self.database, self.corner, self.vertices, self.posts = database, (x * TILE, y * TILE), {}, {}
         require(len(content) >= 8, "a slice without its head")
-        version, self.flags, self.coding, zero, self.above = struct.unpack_from("<4Bi", content)
-        require(version == 3 and self.flags <= 7 and zero == 0, "head of a slice")
+        version, self.flags, self.coding, self.shift, self.above = struct.unpack_from("<4Bi", content)
+        require(version == 3 and self.flags <= 7 and self.shift < 40, "head of a slice")
         require(self.coding <= (0 if database.integer else 8), "coding of a slice")
         if self.above == NO_SLICE:
-            require(len(content) == 8 and self.flags == 0 and self.coding == 0, "a slice that holds nothing")
+            require(len(content) == 8 and not (self.flags or self.coding or self.shift), "a slice that holds nothing")
             return
         require(0 <= self.above < (NO_SLICE if database.integer else 4001), "threshold of a slice")
         require(len(content) >= 20, "a slice without its head")
@@ -906,8 +906,8 @@ class Slice:
         ends, parents = ([self.numbers.get(q) for q in side] for side in diamond(p))
         if None not in ends + parents:
             (a, b), (c, d) = ends, parents
-            rough = 8 * (abs(a + b - c - d) + abs(a - b)) // (self.above + 1)
-            return 5 * (a + b) + 3 * (c + d) + 8 >> 4, min(rough.bit_length(), 4)
+            bend = abs(a + b - c - d) + abs(a - b)
+            return 5 * (a + b) + 3 * (c + d) + 8 >> 4, min((bend >> self.shift).bit_length(), 4)
         if None not in ends:
             return sum(ends) >> 1, 4
         known = [n for n in ends + parents[::-1] if n is not None]
