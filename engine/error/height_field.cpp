@@ -27,7 +27,7 @@ CodeDistance::CodeDistance(const Description& description)
 std::int32_t CodeDistance::eighths(double metres) const {
   const auto is_below = [&](double eighths) { return this->metres(eighths / 8) < metres; };
   double eighths = std::ceil(metres * divisor_ / factor_ * 8);
-  if (!(eighths <= kMostEighths)) return kMostEighths;  // and so few that doubles hold all of them
+  if (!(eighths <= kMostEighths)) return kMostEighths;  // a double holds each whole number up to there
   while (eighths > 0 && !is_below(eighths - 1)) --eighths;
   while (is_below(eighths)) ++eighths;
   return static_cast<std::int32_t>(std::min(eighths, double{kMostEighths}));

@@ -46,6 +46,8 @@ class CodeDistance {
   [[nodiscard]] bool is_whole() const { return is_whole_; }
   /// The fewest eighths of a height code that are not below an error in metres; kMostEighths if it takes so many.
   [[nodiscard]] std::int32_t eighths(double metres) const;
+  /// What a stored error counts as: these eighths, or, if height codes are not whole, the code.
+  [[nodiscard]] std::int32_t counted(ErrorCode code) const { return is_whole_ ? eighths(error_of(code)) : code; }
   /// What a tolerance of at least 0 metres counts as: the most eighths within it (kMostEighths if so many are), or, if
   /// height codes are not whole, the largest error code within it.
   [[nodiscard]] std::int32_t counted_within(double metres) const;

@@ -2,6 +2,7 @@
 // One page in memory.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -94,15 +95,17 @@ struct Page {
   [[nodiscard]] std::int32_t counted_error(std::size_t i, const CodeDistance& distance) const {
     if (!distance.is_whole()) return error(i, distance);
     if (is_dense) return std::max(dense_error(i), 0);
-    return !eighths.empty() && eighths[i] >= 0 ? eighths[i] : distance.eighths(error_of(errors[i]));
+    if (!is_implied(i)) return distance.counted(errors[i]);
+    const double up = std::ceil(8 * implied_distance(i));
+    return up < kMostEighths ? static_cast<std::int32_t>(up) : kMostEighths;
   }
   /// What the error of an own vertex counts as, in metres. In a database of whole numbers it is a whole number of
   /// eighths: stored codes are rounded up. In others it is that of a code: errors that follow from heights are rounded
   /// up. So pages of all forms, and slices, agree which vertices a tolerance selects.
   [[nodiscard]] double error_m(std::size_t i, const CodeDistance& distance) const {
     if (!distance.is_whole()) return error_of(error(i, distance));
-    if (is_dense || is_implied(i)) return distance.metres(counted_error(i, distance) / 8.0);
-    return distance.up_to_eighths(errors[i]);
+    if (is_dense) return distance.metres(std::max(dense_error(i), 0) / 8.0);
+    return is_implied(i) ? distance.metres(std::ceil(8 * implied_distance(i)) / 8) : distance.up_to_eighths(errors[i]);
   }
   /// The code that was stored, or else the smallest one that is not below the error.
   [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {

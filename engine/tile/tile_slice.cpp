@@ -71,11 +71,11 @@ void shift_west(const std::uint64_t* row, int by, std::uint64_t* to) {
     to[w] = row[w] >> by | (w + 1 < kWords ? row[w + 1] : ~std::uint64_t{0}) << (64 - by);
 }
 
-/// Which columns are first, first + step … in word w of a row.
-std::uint64_t columns(int first, int step, int w) {
-  std::uint64_t bits = 0;
-  for (int c = 0; c < 64; ++c) bits |= std::uint64_t{(64 * w + c) % step == first} << c;
-  return bits;
+/// Which columns are first, first + step … in a row; step is at most 128.
+void columns(int first, int step, std::uint64_t* to) {
+  to[0] = to[1] = 0;
+  for (int c = first; c < 128; c += step) to[c / 64] |= std::uint64_t{1} << (c % 64);
+  for (int w = 2; w < kWords; ++w) to[w] = to[w - 2];
 }
 
 /// The vertices of a slice as a set, which grows level by level.
@@ -88,7 +88,7 @@ class Vertices {
     last_ = {part.last.col - corner.col, part.last.row - corner.row};
     bits_.assign(static_cast<std::size_t>(kTileSide) * kWords, 0);
     index_.resize(static_cast<std::size_t>(kTileSide) * kTileSide);
-    // Points that are not in the tile and the extent are in nobody's way.
+    // Points outside the tile or the extent count as present: no candidate needs them.
     std::uint64_t outside[kWords];
     for (int w = 0; w < kWords; ++w) {
       outside[w] = 0;
@@ -116,16 +116,16 @@ class Vertices {
   }
   std::uint32_t& index(std::uint32_t place) { return index_[place]; }
 
-  /// visit(candidate): whether it is a vertex. Level by level, centres before side midpoints, row by row.
-  template <class Visit>
-  void for_each_candidate(Visit&& visit) {
+  /// is_vertex(place) for each candidate, and add(candidate) for those that are. Level by level, centres before side
+  /// midpoints, row by row.
+  template <class IsVertex, class Add>
+  void for_each_candidate(IsVertex&& is_vertex, Add&& add) {
     for (int level = kLevels - 1; level >= 0; --level) {
       const int s = 1 << level;
       std::uint64_t odd[kWords], even[kWords], even_square[kWords], odd_square[kWords];
+      columns(s, 2 * s, odd), columns(0, 2 * s, even), columns(s, 4 * s, even_square);
       for (int w = 0; w < kWords; ++w) {
-        odd[w] = columns(s, 2 * s, w) & inside_[w];
-        even[w] = columns(0, 2 * s, w) & inside_[w];
-        even_square[w] = columns(s, 4 * s, w) & inside_[w];
+        odd[w] &= inside_[w], even[w] &= inside_[w], even_square[w] &= inside_[w];
         odd_square[w] = odd[w] & ~even_square[w];
       }
       std::uint64_t found[kWords], east[kWords], west[kWords], south_east[kWords], south_west[kWords];
@@ -138,7 +138,7 @@ class Vertices {
           found[w] = (east[w] & south_west[w] & (is_even ? even_square : odd_square)[w]) |
                      (west[w] & south_east[w] & (is_even ? odd_square : even_square)[w]);
         }
-        visit_row(found, row, level, false, visit);
+        visit_row(found, row, level, false, is_vertex, add);
       }
       for (int row = 0; row < kTileSide; row += s) {
         if (row < first_.row || row > last_.row) continue;
@@ -149,7 +149,7 @@ class Vertices {
           shift_west(words(row), s, east), shift_east(words(row), s, west);
           for (int w = 0; w < kWords; ++w) found[w] = east[w] & west[w] & even[w];
         }
-        visit_row(found, row, level, true, visit);
+        visit_row(found, row, level, true, is_vertex, add);
       }
     }
   }
@@ -158,14 +158,16 @@ class Vertices {
   [[nodiscard]] std::uint64_t* row_of(int row) { return &bits_[static_cast<std::size_t>(row) * kWords]; }
   [[nodiscard]] const std::uint64_t* words(int row) { return row < 0 || row >= kTileSide ? beyond_ : row_of(row); }
 
-  template <class Visit>
-  void visit_row(const std::uint64_t* found, int row, int level, bool is_side, Visit&& visit) {
+  template <class IsVertex, class Add>
+  void visit_row(const std::uint64_t* found, int row, int level, bool is_side, IsVertex&& is_vertex, Add&& add) {
     std::uint64_t* here = row_of(row);
     for (int w = 0; w < kWords; ++w) {
       std::uint64_t vertices = 0;
       for (std::uint64_t rest = found[w]; rest != 0; rest &= rest - 1) {
-        const int bit = std::countr_zero(rest);
-        if (visit(candidate(64 * w + bit, row, level, is_side))) vertices |= std::uint64_t{1} << bit;
+        const int bit = std::countr_zero(rest), col = 64 * w + bit;
+        if (!is_vertex(static_cast<std::uint32_t>(row * kTileSide + col))) continue;
+        add(candidate(col, row, level, is_side));
+        vertices |= std::uint64_t{1} << bit;
       }
       here[w] |= vertices;
     }
@@ -393,14 +395,17 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
     return at == by_place.end() || slice.places[*at] != place ? std::size_t{0} : std::size_t{*at} + 1;
   };
   std::vector<std::size_t> order;
-  s.vertices.for_each_candidate([&](const Candidate& c) {
-    const std::size_t which = find(c.place);
-    s.bits.push_back(which != 0 ? 1 : 0);
-    if (which == 0) return false;
-    s.add(c, numbers[posts + which - 1]);
-    order.push_back(which - 1);
-    return true;
-  });
+  std::size_t which = 0;
+  s.vertices.for_each_candidate(
+      [&](std::uint32_t place) {
+        which = find(place);
+        s.bits.push_back(which != 0 ? 1 : 0);
+        return which != 0;
+      },
+      [&](const Candidate& c) {
+        s.add(c, numbers[posts + which - 1]);
+        order.push_back(which - 1);
+      });
   s.shift = s.usual_shift();
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Expected expected = s.expect(s.found[i]);
@@ -458,7 +463,7 @@ bool SliceCoder::has(std::uint32_t place) const {
 }
 
 std::int32_t SliceCoder::threshold_of(std::span<const std::byte> bytes) {
-  return bytes.size() < kShortest ? kMostEighths : static_cast<std::int32_t>(whole_at(bytes, 4, 4));
+  return bytes.size() < kShortest ? kNoSlice : static_cast<std::int32_t>(whole_at(bytes, 4, 4));
 }
 
 const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistance& distance,
@@ -503,15 +508,17 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
   for (std::size_t i = 0; i < slice.posts.size(); ++i)
     s.numbers.push_back(number_near(i == 0 ? 0 : s.numbers[i % kTileBlocks == 0 ? i - kTileBlocks : i - 1], kOfPosts));
   std::size_t at = 0;
-  s.vertices.for_each_candidate([&](const Candidate& c) {
-    require(at < 8 * bits.size(), "it has too few candidates");
-    const bool is_vertex = (std::to_integer<unsigned>(bits[at / 8]) >> (at % 8) & 1) != 0;
-    ++at;
-    if (!is_vertex) return false;
-    const Expected expected = s.expect(c);
-    s.add(c, number_near(expected.number, expected.context));
-    return true;
-  });
+  s.vertices.for_each_candidate(
+      [&](std::uint32_t) {
+        require(at < 8 * bits.size(), "it has too few candidates");
+        const bool is_vertex = (std::to_integer<unsigned>(bits[at / 8]) >> (at % 8) & 1) != 0;
+        ++at;
+        return is_vertex;
+      },
+      [&](const Candidate& c) {
+        const Expected expected = s.expect(c);
+        s.add(c, number_near(expected.number, expected.context));
+      });
   require((at + 7) / 8 == bits.size() && (at % 8 == 0 || std::to_integer<unsigned>(bits.back()) >> (at % 8) == 0),
           "it has too many candidates");
   const std::size_t count = s.found.size(), posts = slice.posts.size();

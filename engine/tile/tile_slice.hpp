@@ -54,9 +54,9 @@ class SliceCoder {
   SliceCoder& operator=(SliceCoder&&) noexcept;
 
   /// The same slice always has the same bytes, whatever the order of its vertices. A vertex that is not above the
-  /// threshold is left out if a parent of it that lies in the tile and the extent is not in the slice: so it is where the
-  /// border of the extent runs through pages that are not stored. The slice holds nothing if one that is above lacks a
-  /// parent, an error is above the ladder, or heights need more than 32 bits.
+  /// threshold is left out if a parent of it that lies in the tile and the extent is not in the slice. This happens where
+  /// the border of the extent crosses pages that are not stored. The slice holds nothing if a vertex above the threshold
+  /// lacks a parent, an error is above the ladder or counts as kMostEighths, or heights need more than 32 bits.
   ///
   /// cost  about 100 ns a vertex
   [[nodiscard]] std::vector<std::byte> encode(TileId id, GridRect extent, const CodeDistance& distance,
@@ -65,12 +65,12 @@ class SliceCoder {
   [[nodiscard]] static std::int32_t threshold_of(std::span<const std::byte> bytes);
   /// The slice, valid until the next call. Its vertices come level by level.
   ///
-  /// fails  corrupt: bytes that cannot be a slice of this tile and extent. Memory never exceeds 40 MB
-  /// cost   about 40 ns a vertex, and 50 µs
+  /// fails  corrupt: bytes that cannot be a slice of this tile and extent. Memory never exceeds 80 MB
+  /// cost   about 40 ns a vertex, and 100 µs
   [[nodiscard]] const TileSlice& decode(TileId id, GridRect extent, const CodeDistance& distance,
                                         std::span<const std::byte> bytes);
 
-  /// Whether the slice decoded last has a vertex of spacing 1 to 32 at this place.
+  /// Whether the slice decoded last has the vertex of spacing 1 to 32 at this place.
   [[nodiscard]] bool has(std::uint32_t place) const;
 
  private:

@@ -326,14 +326,16 @@ class TilePacker {
     const auto most = static_cast<std::uint64_t>(kShareOfSlice * static_cast<double>(made_.summary.valid_samples));
     std::size_t rung = 0;
     while (rung + 1 < kErrorRungs && made_.summary.errors[rung] > most) ++rung;
+    const CodeDistance& distance = making_.distance;
     TileSlice slice;
-    slice.above = making_.distance.counted_within(error_rung(rung));
+    slice.above = made_.summary.errors[rung] > most ? kNoSlice : distance.counted_within(error_rung(rung));
     for (const PageBytes& page : made_.pages) {
+      if (slice.above == kNoSlice) break;
       const PageId id = page_at(page.key.table, page.key.position);
       if (id.band > 0 || making_.border->is_near(page_square(id)) ||
-          error_of(largest_.at(page.key.position)) > error_rung(rung)) {
-        slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, making_.distance, page.content),
-                   making_.distance, *making_.border);
+          distance.counted(largest_.at(page.key.position)) > slice.above) {
+        slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, distance, page.content), distance,
+                   *making_.border);
       }
     }
     made_.slice = PageBytes{{kSliceTable, curve_position({1, id_.x, id_.y})},

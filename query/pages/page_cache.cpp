@@ -86,7 +86,7 @@ std::shared_ptr<const Page> PageCache::copy(const Page& page) const {
 PageCache::BorrowedDecoder PageCache::borrow_decoder() {
   const std::lock_guard lock(recycled_->mutex);
   if (recycled_->decoders.empty()) {
-    recycled_->decoders.push_back(std::make_unique<PageDecoder>());
+    recycled_->decoders.push_back(std::make_unique<Decoders>());
     ++recycled_->decoders_made;
     // Reserved here, because the return of a decoder or page must not need memory.
     recycled_->decoders.reserve(recycled_->decoders_made);
@@ -97,8 +97,8 @@ PageCache::BorrowedDecoder PageCache::borrow_decoder() {
   return borrowed;
 }
 
-void PageCache::GiveBack::operator()(PageDecoder* decoder) const {
-  std::unique_ptr<PageDecoder> back(decoder);
+void PageCache::GiveBack::operator()(Decoders* decoder) const {
+  std::unique_ptr<Decoders> back(decoder);
   const std::lock_guard lock(to->mutex);
   to->decoders.push_back(std::move(back));
 }

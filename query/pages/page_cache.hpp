@@ -11,8 +11,15 @@
 #include <vector>
 
 #include "engine/page/page_codec.hpp"
+#include "engine/tile/tile_slice.hpp"
 
 namespace talus {
+
+/// What one thread decodes with.
+struct Decoders {
+  PageDecoder pages;
+  SliceCoder slices;
+};
 
 /// Keeps the pages used last, up to a number of bytes. Several threads may use it at once. A page stays valid while a
 /// caller holds it, even when the cache has dropped it.
@@ -37,8 +44,8 @@ class PageCache {
   [[nodiscard]] std::shared_ptr<const Page> keep(const Key& key, const Page& page);
 
   struct GiveBack;
-  using BorrowedDecoder = std::unique_ptr<PageDecoder, GiveBack>;
-  /// A decoder that nobody else uses. It returns to the cache when it is destroyed.
+  using BorrowedDecoder = std::unique_ptr<Decoders, GiveBack>;
+  /// Decoders that nobody else uses. They return to the cache when this is destroyed.
   [[nodiscard]] BorrowedDecoder borrow_decoder();
 
   [[nodiscard]] std::uint64_t most_bytes() const { return most_bytes_of_shard_ * shards_.size(); }
@@ -49,7 +56,7 @@ class PageCache {
   /// Memory to be used again. Pages share it, because a page may outlive the cache.
   struct Recycled {
     std::mutex mutex;
-    std::vector<std::unique_ptr<PageDecoder>> decoders;
+    std::vector<std::unique_ptr<Decoders>> decoders;
     std::vector<std::unique_ptr<Page>> pages;  ///< at most one for each decoder
     std::size_t decoders_made = 0;             ///< the most threads that decoded at once
   };
@@ -78,7 +85,7 @@ class PageCache {
 /// Returns a decoder to its cache.
 struct PageCache::GiveBack {
   std::shared_ptr<Recycled> to;
-  void operator()(PageDecoder* decoder) const;
+  void operator()(Decoders* decoder) const;
 };
 
 }  // namespace talus

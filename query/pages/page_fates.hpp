@@ -15,7 +15,7 @@ class PageFates {
   /// Counts the region's pages, and the pages of the coarsest band. If several threads count, only one calls this.
   void begin();
 
-  /// Counts a page of which a slice has the vertices, and so all that the page above counted as left out.
+  /// Moves a page from those that are left out to those that a slice replaced.
   void replace(PageId id) { --left_out(id), ++band(id).from_slice; }
 
   /// Counts a page that is read for the first time. is_wanted: false if only the border or a point needs it.

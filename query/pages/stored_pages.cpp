@@ -156,7 +156,7 @@ std::shared_ptr<const Page> StoredPages::shared(PageId id, std::uint32_t generat
     return page;
   }
   const PageCache::BorrowedDecoder decoder = cache_->borrow_decoder();
-  return cache_->keep(key, get(id, generation, *decoder, cost));
+  return cache_->keep(key, get(id, generation, decoder->pages, cost));
 }
 
 bool StoredPages::would_keep(GridRect region) const {

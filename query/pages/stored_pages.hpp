@@ -51,7 +51,7 @@ class StoredPages {
   /// The same for any generation, which it returns. For callers that have not read the parent page.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
   /// The slice of a tile, whose page of band 1 has this id and generation, if it has all vertices above a threshold that
-  /// counts as this; valid until the coder decodes another slice. Null: it has not. Adds to the cost.
+  /// counts as this; valid until the coder decodes another slice. Null: it lacks some. Adds to the cost.
   /// fails  as for a page
   [[nodiscard]] const TileSlice* slice(PageId tile, std::uint32_t generation, std::int32_t above, SliceCoder& coder,
                                        QueryCost& cost) const;

@@ -100,7 +100,6 @@ class RangeQuery {
     PageCache::BorrowedDecoder decoder;
     Array<PageSample> chosen;
     std::vector<std::uint8_t> is_forced;  ///< 1 for each sample of a page that the border needs
-    SliceCoder slices;
     std::vector<std::uint32_t> chosen_of_slice, forced_of_slice;
     std::vector<GridPoint> points_of_slice;
     SquareBits selected{}, coarser{};  ///< of a dense page
@@ -175,7 +174,7 @@ class RangeQuery {
     }
     std::shared_ptr<const Page> kept;
     if (keeps_pages_) kept = pages_.shared(wanted.id, wanted.generation, worker.cost);
-    const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, *worker.decoder, worker.cost);
+    const Page& page = kept ? *kept : pages_.get(wanted.id, wanted.generation, worker.decoder->pages, worker.cost);
     worker.fates.look_into(page, wanted.is_above);
     select(page, worker);
     std::uint64_t replaced = 0;  // child pages, by curve position: a page of band 1 has 64
@@ -214,7 +213,7 @@ class RangeQuery {
       if (found == forced_.end()) return;
       for (const GridPoint p : found->second) {
         places.push_back(place_in_tile(p));
-        has_all = has_all && worker.slices.has(places.back());
+        has_all = has_all && worker.decoder->slices.has(places.back());
       }
     };
     look(tile);
@@ -229,18 +228,18 @@ class RangeQuery {
     if (&worker == workers_.front().get()) watch_.tell(static_cast<double>(done) / static_cast<double>(area_));
   }
 
-  /// The slice of a tile, if the page of band 1 has this tile, it is worth its time, and it has all vertices above the
-  /// tolerance. The border's vertices are not in it.
+  /// The slice of the tile of a page of band 1, if it is worth its time and has all vertices above the tolerance. Of
+  /// those that the border needs it may lack some.
   [[nodiscard]] const TileSlice* slice_for(const Wanted& wanted, Worker& worker) const {
     if (wanted.id.band != 1 || !wanted.is_above) return nullptr;
     const GridRect tile = common(page_square(wanted.id), manifest_.description.extent);
     if (is_empty(tile) || static_cast<double>(area_of(wanted.id)) < kWorthSlice * static_cast<double>(tile.samples()))
       return nullptr;
-    return pages_.slice(wanted.id, wanted.generation, above_.counted(), worker.slices, worker.cost);
+    return pages_.slice(wanted.id, wanted.generation, above_.counted(), worker.decoder->slices, worker.cost);
   }
 
-  /// Selects the vertices of a slice that lie in the region and where `has` says so; of the others, they and those that
-  /// the slice lacks count as absent.
+  /// Selects the vertices of a slice that lie in the region, for which `has` holds, and that are above the tolerance or
+  /// needed by the border. All others, and those that the slice lacks, count as absent.
   template <class Has>
   void select(const TileSlice& slice, PageId tile, Has&& has, Worker& worker) {
     const GridPoint corner = page_square(tile).first;
@@ -289,8 +288,7 @@ class RangeQuery {
     if (forced.empty()) {
       above_from_ ? choose<true>(page, worker, NothingNeeded()) : choose<false>(page, worker, NothingNeeded());
       for (const auto [col, row] : worker.chosen)
-        worker.levels.take(page.counted_error(page.index(col, row), pages_.distance()), page.grid.at(col, row),
-                           pages_.distance());
+        worker.levels.take(page, page.index(col, row), page.grid.at(col, row), pages_.distance());
     } else {
       select_beside_border(page, forced, worker);
     }
@@ -370,7 +368,7 @@ class RangeQuery {
     for (const auto [col, row] : worker.chosen) {
       const std::size_t i = page.index(col, row);
       if (is_forced[i] == 0) {
-        worker.levels.take(page.counted_error(i, pages_.distance()), page.grid.at(col, row), pages_.distance());
+        worker.levels.take(page, i, page.grid.at(col, row), pages_.distance());
       } else if (!above_(page, i)) {
         ++worker.forced_alone;
       }

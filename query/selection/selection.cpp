@@ -133,7 +133,7 @@ class Selection {
     if (!question_.field) return above_(entry.largest);
     // A vertex is compared with the least tolerance in its diamond. No diamond of these pages leaves this square.
     const GridRect square = grown(common(page_square(id), question_.region), band_spacing(id.band + 1));
-    return error_of(entry.largest) > limit_in(square);
+    return pages_.distance().up_to_eighths(entry.largest) > limit_in(square);
   }
   [[nodiscard]] double limit_in(GridRect rect) const {
     return std::max(kept_above_, question_.field->least(common(rect, extent_)).value - lossy_);

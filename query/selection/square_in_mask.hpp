@@ -6,11 +6,12 @@
 
 namespace talus {
 
-/// Adds the vertices of a square, of which bits outside the region are 0; and which vertices of a square there are.
+/// Adds the vertices of a square to a mask. Bits of the square outside the mask's region are 0.
 ///
 /// first   the grid point of the square's first sample; its samples are grid points of spacing 1
 /// shared  other threads may change other bits of the same words at the same time
 void insert_square(const SquareBits& bits, GridPoint first, bool shared, VertexMask& mask);
+/// The vertices of a mask in a square.
 [[nodiscard]] SquareBits square_of(VertexMask& mask, GridPoint first, bool shared);
 
 }  // namespace talus

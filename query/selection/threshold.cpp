@@ -20,7 +20,8 @@ double largest_distance_within(double tolerance_m, const CodeDistance& distance)
   const auto look = [&](double at) {
     if (at > low && at < high) (within(at) ? low : high) = at;
   };
-  const double near = tolerance_m / distance.metres(1);  // wrong by a few roundings, or by more where they underflow
+  const double near =
+      tolerance_m / distance.metres(1);  // the answer but for a few roundings, or for more where these underflow
   look(near * (1 - 1e-15));
   look(near * (1 + 1e-15));
   for (;;) {

@@ -55,7 +55,7 @@ struct LargestAbsent {
       code = std::max(code, page.errors[i]);
     }
   }
-  /// What an error of the database counts as.
+  /// An error, as what it counts as.
   void take(std::int32_t counted, const CodeDistance& of) {
     if (of.is_whole()) {
       distance = std::max(distance, counted / 8.0);
@@ -73,9 +73,12 @@ struct LargestAbsent {
 class LargestByLevel {
  public:
   explicit LargestByLevel(GridRect extent);
-  /// What the error of a vertex at p counts as.
-  void take(std::int32_t counted, GridPoint p, const CodeDistance& of) {
-    levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)].take(counted, of);
+  /// The error of a vertex at p, as what it counts as.
+  void take(std::int32_t counted, GridPoint p, const CodeDistance& of) { level_of(p).take(counted, of); }
+  /// The same for sample i of a page; an error of kMostEighths as it is.
+  void take(const Page& page, std::size_t i, GridPoint p, const CodeDistance& of) {
+    const std::int32_t counted = page.counted_error(i, of);
+    counted == kMostEighths ? level_of(p).take(page, i) : level_of(p).take(counted, of);
   }
   /// An exact error in height codes of a vertex of spacing 2 to the power `height`; below 0: none.
   void take(int height, double distance) {
@@ -86,6 +89,9 @@ class LargestByLevel {
   [[nodiscard]] std::vector<double> metres(const StoredPages& pages) const;
 
  private:
+  [[nodiscard]] LargestAbsent& level_of(GridPoint p) {
+    return levels_[std::min<std::size_t>(static_cast<std::size_t>(height_in_tree(p)), levels_.size() - 1)];
+  }
   std::vector<LargestAbsent> levels_;  ///< largest errors of the answer's vertices, by log2 of the spacing
 };
 

@@ -36,7 +36,7 @@ class Doors : public Command {
   /// The same with so many kilobytes of addresses. Sanitizers need more than any limit for their shadows.
   Outcome shell_within(int kilobytes, const std::string& line,
                        std::chrono::seconds at_most = std::chrono::seconds(60)) const {
-    const std::string limit = kSanitizerFactor > 1 ? "" : "ulimit -v " + std::to_string(kilobytes) + "; ";
+    const std::string limit = kIsSanitized ? "" : "ulimit -v " + std::to_string(kilobytes) + "; ";
     return shell(limit + line, at_most);
   }
   [[nodiscard]] std::vector<std::string> names() const {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/tile/tile_slice.hpp"
+#include "query/accuracy/true_error.hpp"
 #include "query/snapshot_view.hpp"
 #include "talus/ingest.hpp"
 #include "talus/talus.hpp"
@@ -87,6 +88,55 @@ TEST(Slices, GiveTheAnswersOfPages) {
     if (HasFailure()) return;
   }
   EXPECT_TRUE(one || replaced > 100) << replaced << ": slices were hardly ever used";
+}
+
+/// Where codes of errors are no eighths, and where heights are too far apart for eighths in a page. The slices must be
+/// those of their pages, and answers keep the promise whoever asks for them.
+TEST(Slices, OfFeetAndOfOddStepsHoldWhatPagesHold) {
+  struct Way {
+    const char* name;
+    double cliff;
+    IngestOptions options;
+  };
+  std::vector<Way> ways(5, {"", 0, {}});
+  ways[0].name = "feet", ways[0].options.inputs.vertical_unit = VerticalUnit::foot;
+  ways[1].name = "steps of 7 m", ways[1].options.inputs.height_step = Metres{7};
+  ways[2].name = "perpendicular steps of 7 m", ways[2].options.inputs.height_step = Metres{7};
+  ways[2].options.error_metric = ErrorMetric::perpendicular;
+  ways[3].name = "steps of a hundredth of a millimetre", ways[3].options.inputs.height_step = Metres{1e-5};
+  ways[4].name = "cliffs of forty thousand kilometres", ways[4].cliff = 4e7;
+  for (const Way& way : ways) {
+    SCOPED_TRACE(way.name);
+    Terrain terrain = fit(fractal(1100, 400, 8, 900), SampleType::int32);
+    for (int row = 0; way.cliff > 0 && row < 400; ++row) {
+      for (int col = 500; col < 520; ++col) terrain.at(col, row) += way.cliff;
+    }
+    const TempFolder folder;
+    write_raster(terrain, folder / "a.tif", {});
+    ingest(folder / "a.tif", folder / "a.talus", way.options);
+    EXPECT_FALSE(write_without_slices(folder / "a.talus", folder / "b.talus").empty()) << "some slice holds vertices";
+    const Database database = Database::open(folder / "a.talus");
+    EXPECT_EQ(verify(database.snapshot()).findings, std::vector<std::string>());
+    const Snapshot with = database.snapshot(), without = Database::open(folder / "b.talus").snapshot();
+    const GridRect extent = with.description().extent;
+    std::uint64_t replaced = 0;
+    for (const double tolerance : {400.0, 200.0, 100.0, 50.0, 20.0, 10.0, 9.99, 5.0, 3.0, 1.0}) {
+      Question question{.region = extent, .tolerance = Metres{tolerance}};
+      replaced += expect_same(question, with, without);
+      const Answer answer = with.ask(question);
+      // A field that is the same everywhere selects the same vertices.
+      Question field = question;
+      field.field = patch_tolerance(extent, 1, 1, {tolerance});
+      EXPECT_EQ(with.ask(field).quadtree.vertices.size(), answer.quadtree.vertices.size()) << tolerance;
+      const auto truth = [&](GridRect strip) { return with.samples(strip); };
+      const double error = true_error(triangulate(answer.quadtree), with.description(), truth).largest_m;
+      const bool is_vertical = with.description().error_metric == ErrorMetric::vertical;
+      EXPECT_TRUE(!is_vertical || error <= answer.quadtree.bound.value + 1e-9) << error << " m at " << tolerance;
+      question.from = Metres{2 * tolerance};
+      replaced += expect_same(question, with, without);
+    }
+    EXPECT_GT(replaced, 3u);
+  }
 }
 
 TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {

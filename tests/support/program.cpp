@@ -59,7 +59,7 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
   err.close_end(1);
 
   using Clock = std::chrono::steady_clock;
-  const auto limit = Clock::now() + options.kill_after.value_or(kSanitizerFactor * options.at_most);
+  const auto limit = Clock::now() + options.kill_after.value_or(kPatience * options.at_most);
   Outcome outcome;
   bool killed = false;
   std::array<pollfd, 2> waiting{pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};

@@ -8,11 +8,16 @@
 
 namespace talus::support {
 
-/// How much longer a program may take that a sanitizer watches.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr int kSanitizerFactor = 10;
+inline constexpr bool kIsSanitized = true;
 #else
-inline constexpr int kSanitizerFactor = 1;
+inline constexpr bool kIsSanitized = false;
+#endif
+/// How much longer a program may take that a sanitizer watches, or that is not optimised.
+#if defined(NDEBUG)
+inline constexpr int kPatience = kIsSanitized ? 10 : 1;
+#else
+inline constexpr int kPatience = 10;
 #endif
 
 struct Outcome {
@@ -23,9 +28,9 @@ struct Outcome {
 
 struct RunOptions {
   std::optional<std::chrono::milliseconds> kill_after;  ///< SIGKILL, as a power cut would
-  std::chrono::seconds at_most{120};  ///< SIGKILL too, so that a test never hangs; × kSanitizerFactor
-  std::string input;                  ///< a file to be the standard input; empty: an empty one
-  std::string folder;                 ///< to run in; empty: this process's
+  std::chrono::seconds at_most{120};                    ///< SIGKILL too, so that a test never hangs; × kPatience
+  std::string input;                                    ///< a file to be the standard input; empty: an empty one
+  std::string folder;                                   ///< to run in; empty: this process's
 };
 
 /// Runs `arguments[0]` with the rest.
