@@ -66,6 +66,9 @@ StorageSummary Snapshot::storage() const {
     summary.pages += table.pages;
     summary.page_bytes += table.bytes;
   }
+  const TableSummary slices = txn.summary(kSliceTable);
+  summary.slices = slices.pages;
+  summary.slice_bytes = slices.bytes;
   return summary;
 }
 

@@ -75,6 +75,8 @@ Json to_json(const Request& request, const Description& d, const StorageSummary&
       {"file_bytes", s.file_bytes},
       {"pages", s.pages},
       {"page_bytes", s.page_bytes},
+      {"slices", s.slices},
+      {"slice_bytes", s.slice_bytes},
       {"bands", bands},
       {"lossy_metres", d.lossy.value},
       {"finest_tolerance", d.finest_tolerance.value},
@@ -129,6 +131,7 @@ Table to_table(const Request& request, const Description& d, const StorageSummar
   for (const BandSummary& band : s.bands) {
     table.add("", fmt::format("spacing {:>6}: {:>9} pages, {}", band.spacing, counted(band.pages), sized(band.bytes)));
   }
+  if (s.slices > 0) table.add("slices", fmt::format("{}, {} of the file", counted(s.slices), sized(s.slice_bytes)));
   return table;
 }
 

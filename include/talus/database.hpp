@@ -69,7 +69,8 @@ struct BandSummary {
 
 struct StorageSummary {
   std::uint64_t file_bytes = 0, pages = 0, page_bytes = 0;
-  std::vector<BandSummary> bands;  ///< finest first
+  std::uint64_t slices = 0, slice_bytes = 0;  ///< second copies of the vertices with the largest errors, one a tile
+  std::vector<BandSummary> bands;             ///< finest first
   int format_version = 0;
 };
 

@@ -70,8 +70,8 @@ class RangeQuery {
  private:
   static constexpr std::int64_t kWorthThreads = 1 << 20;  ///< samples
   static constexpr std::size_t kTasksAThread = 8;
-  /// A slice takes as long as 16 of a tile's 64 pages.
-  static constexpr double kWorthSlice = 0.25;
+  /// Share of a tile in the region from which on its slice is read. It takes as long as 40 of the tile's 64 pages.
+  static constexpr double kWorthSlice = 0.75;
   static constexpr std::size_t kChildren = std::size_t{kChildrenAcross} * kChildrenAcross;
 
   struct NothingNeeded {
