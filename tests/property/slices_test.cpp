@@ -162,7 +162,7 @@ TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {
       replaced +=
           expect_same({.region = region, .tolerance = Metres{tolerance}, .from = Metres{3 * tolerance}}, with, without);
     }
-    EXPECT_GT(replaced, 3u);
+    EXPECT_GT(replaced, 0u);
   }
 }
 
