@@ -6,6 +6,7 @@
 #include "engine/page/corner_numbers.hpp"
 #include "engine/page/page_codec.hpp"
 #include "engine/page/page_parts.hpp"
+#include "engine/page/whole_bytes.hpp"
 
 namespace talus {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 std::int64_t plus(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
-std::int64_t unzigzag(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (0 - (v & 1))); }
 
 bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
   const auto added = [&](float to, int context) {
@@ -35,12 +35,6 @@ bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
     last = child;
   }
   return possible;
-}
-
-std::uint64_t whole_at(std::span<const std::byte> bytes, std::size_t at, std::size_t size) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint64_t>(bytes[at + i]) << (8 * i);
-  return value;
 }
 
 }  // namespace

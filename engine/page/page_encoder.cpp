@@ -6,18 +6,10 @@
 #include "engine/page/corner_numbers.hpp"
 #include "engine/page/page_codec.hpp"
 #include "engine/page/page_parts.hpp"
+#include "engine/page/whole_bytes.hpp"
 
 namespace talus {
 namespace {
-
-std::uint64_t zigzag(std::int64_t v) {
-  return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63);
-}
-
-template <class Int>
-void put(std::vector<std::byte>& out, Int value) {
-  for (std::size_t i = 0; i < sizeof(Int); ++i) out.push_back(static_cast<std::byte>(value >> (8 * i) & 0xff));
-}
 
 void put_head(const PageHead& head, const PageGrid& grid, std::vector<std::byte>& out) {
   put(out, kPageVersion);

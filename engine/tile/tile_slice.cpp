@@ -8,6 +8,7 @@
 
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_numbers.hpp"
+#include "engine/page/whole_bytes.hpp"
 
 namespace talus {
 namespace {
@@ -28,21 +29,6 @@ constexpr int kOfPosts = 0, kOfHeights = 1, kOfErrors = kOfHeights + 2 * kLevels
               kOfEighths = kOfErrors + 2 * kErrorLevels * kSources, kOfCovers = kOfEighths + kErrorLevels,
               kOfAbove = kOfCovers + 2;
 static_assert(kOfAbove < kContexts);
-
-std::uint64_t zigzag(std::int64_t v) {
-  return static_cast<std::uint64_t>(v) << 1 ^ static_cast<std::uint64_t>(v >> 63);
-}
-std::int64_t unzigzag(std::uint64_t v) { return static_cast<std::int64_t>(v >> 1 ^ (0 - (v & 1))); }
-
-template <class Int>
-void put(std::vector<std::byte>& out, Int value) {
-  for (std::size_t i = 0; i < sizeof(Int); ++i) out.push_back(static_cast<std::byte>(value >> (8 * i) & 0xff));
-}
-std::uint64_t whole_at(std::span<const std::byte> bytes, std::size_t at, std::size_t size) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint64_t>(bytes[at + i]) << (8 * i);
-  return value;
-}
 
 std::vector<std::byte> head_of(std::int32_t above) {
   std::vector<std::byte> bytes;

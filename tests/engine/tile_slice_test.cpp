@@ -28,7 +28,8 @@ struct Case {
   TileSlice slice;
 };
 
-CodeDistance distance_of(bool whole) { return CodeDistance({whole ? 0.5 : 1, 1, 0, whole}, 1); }
+/// Feet: rungs of the ladder are no eighths.
+CodeDistance distance_of(bool whole) { return CodeDistance({1, 1, 0, whole}, whole ? 0.3048 : 1); }
 
 /// Vertices that were chosen at random, with all their parents in the tile and the extent, and saturated errors.
 Case random_case(Random& random) {
