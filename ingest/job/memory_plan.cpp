@@ -10,9 +10,9 @@ namespace talus {
 namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-// Measured with tests/soak/ingest.sh: the program and its libraries; one thread with its results; pages that wait for
-// their transaction, here and in LMDB.
-constexpr std::uint64_t kProgram = 80 * kMiB, kThread = 56 * kMiB, kWriting = 56 * kMiB;
+// Measured with tests/soak/ingest.sh: the program and its libraries; one thread with its results and the slice of its
+// tile; pages that wait for their transaction, here and in LMDB.
+constexpr std::uint64_t kProgram = 80 * kMiB, kThread = 80 * kMiB, kWriting = 56 * kMiB;
 
 /// Memory for the posts: heights, errors and voids of every 64th sample.
 std::uint64_t coarse_bytes(GridRect extent) {
