@@ -61,8 +61,9 @@ TEST(Slices, GiveTheAnswersOfPages) {
   const SizeLimits limits{.least_cols = 1, .least_rows = 1, .most_cols = 1400, .most_rows = 300};
   std::uint64_t replaced = 0;
   const auto one = property_seed();
-  for (std::uint64_t seed = one ? *one : 73000; seed < (one ? *one + 1 : 73000 + std::uint64_t(property_cases(300)));
-       ++seed) {
+  const auto cases = one ? std::uint64_t{1} : static_cast<std::uint64_t>(property_cases(300));
+  const std::uint64_t first = one.value_or(73000);
+  for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const RandomRaster raster = random_raster(seed, limits);
     SCOPED_TRACE(raster.description);
     const TempFolder folder;
@@ -87,7 +88,7 @@ TEST(Slices, GiveTheAnswersOfPages) {
     }
     if (HasFailure()) return;
   }
-  EXPECT_TRUE(one || replaced > 100) << replaced << ": slices were hardly ever used";
+  EXPECT_TRUE(one || 3 * replaced > cases) << replaced << ": slices were hardly ever used";
 }
 
 /// Where codes of errors are no eighths, and where heights are too far apart for eighths in a page. The slices must be
