@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_numbers.hpp"
@@ -533,21 +532,20 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
     require(error > s.above && error < most, "an error is impossible");
     s.errors[i] = static_cast<std::int32_t>(error);
   }
-  slice.places.resize(count), slice.heights.resize(count), slice.errors.resize(count);
-  slice.covers.resize((flags & kHasCovers) != 0 ? count : 0);
+  slice.errors = s.errors;
+  slice.places.resize(count), slice.heights.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     slice.places[i] = s.found[i].place;
     slice.heights[i] = s.height_of_number(s.numbers[posts + i]);
     require(std::isfinite(slice.heights[i]), "a height is not a finite number");
-    slice.errors[i] = s.errors[i];
   }
   for (std::size_t i = 0; i < posts; ++i) slice.posts[i] = s.height_of_number(s.numbers[i]);
-  for (std::size_t i = 0; i < slice.covers.size(); ++i) {
+  for (std::size_t i = 0; (flags & kHasCovers) != 0 && i < count; ++i) {
     const std::uint64_t missing = s.in.get(s.context_of_covers(i));
     require(missing <= 15, "the triangles around a vertex are impossible");
     s.covers.push_back(static_cast<std::uint8_t>(missing ^ 15u));
   }
-  std::copy(s.covers.begin(), s.covers.end(), slice.covers.begin());
+  slice.covers = s.covers;
   require(s.in.is_intact(), "it has too few or too many bits");
   return slice;
 }

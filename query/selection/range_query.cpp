@@ -253,19 +253,15 @@ class RangeQuery {
       if (!region_.contains(p) || !has(p)) continue;
       const std::int32_t error = slice.errors[i];
       const std::vector<std::uint32_t>& forced = worker.forced_of_slice;
-      if (!forced.empty() && std::binary_search(forced.begin(), forced.end(), slice.places[i])) {
-        if (above_from_) continue;
-        if (error <= above_.counted()) ++worker.forced_alone;
-        worker.chosen_of_slice.push_back(i);
-        worker.points_of_slice.push_back(p);
-        continue;
+      const bool is_forced = std::binary_search(forced.begin(), forced.end(), slice.places[i]);
+      const bool is_above = error > above_.counted();
+      if (!is_above && !is_forced) worker.absent.take(error, distance);
+      if (above_from_ ? !is_above || is_forced || error > above_from_->counted() : !is_above && !is_forced) continue;
+      if (!is_forced) {
+        worker.levels.take(error, p, distance);
+      } else if (!is_above) {
+        ++worker.forced_alone;
       }
-      if (error <= above_.counted()) {
-        worker.absent.take(error, distance);
-        continue;
-      }
-      if (above_from_ && error > above_from_->counted()) continue;
-      worker.levels.take(error, p, distance);
       worker.chosen_of_slice.push_back(i);
       worker.points_of_slice.push_back(p);
     }

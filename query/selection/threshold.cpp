@@ -10,12 +10,11 @@ namespace {
 /// Metres; more than doubles round decimal heights by. Part of the bound, unless the step is a binary fraction.
 constexpr double kDecimalRounding = 1e-9;
 
-/// The largest distance in height codes that is still within a tolerance; -1 if none is.
+/// The largest distance in height codes that is still within a tolerance of at least 0.
 double largest_distance_within(double tolerance_m, const CodeDistance& distance) {
   const auto within = [&](double codes) { return distance.metres(codes) <= tolerance_m; };
   // `high` is finite in metres, too
   double low = 0, high = std::numeric_limits<double>::max() / std::max(1.0, distance.factor());
-  if (!within(0)) return -1;
   if (within(high)) return high;
   const auto look = [&](double at) {
     if (at > low && at < high) (within(at) ? low : high) = at;
@@ -31,9 +30,8 @@ double largest_distance_within(double tolerance_m, const CodeDistance& distance)
   }
 }
 
-/// A distance in height codes as eighths of a code, rounded down; -1 stays -1.
+/// A distance in height codes as eighths of a code, rounded down.
 std::int32_t largest_eighths_within(double largest_distance) {
-  if (largest_distance < 0) return -1;
   return largest_distance < kMostEighths / 8 ? static_cast<std::int32_t>(largest_distance * 8) : kMostEighths;
 }
 
@@ -47,21 +45,17 @@ double error_of_absent(const StoredPages& pages, const LargestAbsent& absent, do
 
 }  // namespace
 
-Threshold::Threshold(double tolerance_m, const CodeDistance& distance)
-    : code_(largest_code_within(tolerance_m)),
-      distance_(largest_distance_within(tolerance_m, distance)),
-      eighths_(largest_eighths_within(distance_)) {
-  if (distance_ < 0) return;
-  if (!distance.is_whole()) {
-    distance_ = largest_distance_within(error_of(code_), distance);
+Threshold::Threshold(double tolerance_m, const CodeDistance& distance) : code_(largest_code_within(tolerance_m)) {
+  if (tolerance_m < 0) return;
+  counted_ = distance.counted_within(tolerance_m);
+  if (distance.is_whole() && counted_ < kMostEighths) {
+    eighths_ = counted_;
+    distance_ = eighths_ / 8.0;
+    code_ = largest_code_within(distance.metres(distance_));
+  } else {
+    distance_ = largest_distance_within(distance.is_whole() ? tolerance_m : error_of(code_), distance);
     eighths_ = largest_eighths_within(distance_);
-    counted_ = code_;
-    return;
   }
-  counted_ = eighths_;
-  if (eighths_ == kMostEighths) return;
-  distance_ = eighths_ / 8.0;
-  code_ = largest_code_within(distance.metres(distance_));
 }
 
 LargestByLevel::LargestByLevel(GridRect extent)

@@ -37,8 +37,8 @@ class Threshold {
 
  private:
   ErrorCode code_;
-  double distance_;
-  std::int32_t eighths_, counted_ = -1;
+  double distance_ = -1;
+  std::int32_t eighths_ = -1, counted_ = -1;
 };
 
 /// The largest errors of the vertices that an answer leaves out.

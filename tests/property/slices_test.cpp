@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/tile/tile_slice.hpp"
 #include "query/accuracy/true_error.hpp"
 #include "query/snapshot_view.hpp"
 #include "talus/ingest.hpp"
@@ -21,19 +20,7 @@ namespace {
 /// The same database, but its slices hold nothing. Returns their thresholds, in metres.
 std::vector<double> write_without_slices(const std::filesystem::path& database, const std::filesystem::path& without) {
   Forgery forged(database);
-  const Manifest m = forged.manifest();
-  const CodeDistance distance(m.description);
-  std::vector<double> thresholds;
-  TileSlice nothing;
-  nothing.above = kNoSlice;
-  for (auto& [key, stored] : forged.stored) {
-    if (key.table != kSliceTable) continue;
-    const std::int32_t above = SliceCoder::threshold_of(stored.content);
-    if (above != kNoSlice)
-      thresholds.push_back(distance.is_whole() ? distance.metres(above / 8.0)
-                                               : error_of(static_cast<ErrorCode>(above)));
-    stored.content = SliceCoder().encode({0, 0}, m.description.extent, distance, nothing);
-  }
+  const std::vector<double> thresholds = forged.empty_slices();
   forged.write(without);
   return thresholds;
 }
@@ -138,6 +125,26 @@ TEST(Slices, OfFeetAndOfOddStepsHoldWhatPagesHold) {
     }
     EXPECT_GT(replaced, 3u);
   }
+}
+
+/// Ten metres are no whole eighths of a foot: an error stored as just 10 m counts as more than the tolerance. It is the
+/// largest one of its page.
+TEST(Slices, HaveVerticesWhoseCodeIsTheThreshold) {
+  Random random(1);
+  Terrain terrain = fit(fractal(1100, 1100, 1, 0), SampleType::int16);
+  for (int row = 0; row < 1100; ++row) {
+    for (int col = 0; col < 1100; ++col) {
+      const bool is_calm = col >= 200 && col <= 560 && row >= 200 && row <= 560;
+      terrain.at(col, row) = row < 1024 && col < 1024 && !is_calm && random.chance(0.02) ? 20 : 0;
+    }
+  }
+  terrain.at(384, 400) = 1, terrain.at(384, 402) = 1, terrain.at(383, 402) = 33;
+  const TempFolder folder;
+  write_raster(terrain, folder / "a.tif", {});
+  IngestOptions options;
+  options.inputs.vertical_unit = VerticalUnit::foot;
+  ingest(folder / "a.tif", folder / "a.talus", options);
+  EXPECT_EQ(verify(Database::open(folder / "a.talus").snapshot()).findings, std::vector<std::string>());
 }
 
 TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {

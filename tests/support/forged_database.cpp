@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "engine/tile/tile_slice.hpp"
 #include "tests/support/given_page.hpp"
 
 namespace talus::support {
@@ -80,6 +81,21 @@ void Forgery::hide() {
   for (const PageId id : pages_of_band(m.bands - 1, m.description.extent))
     m.top_generations.push_back(stored.at(key(id)).generation);
   put(m);
+}
+
+std::vector<double> Forgery::empty_slices() {
+  const CodeDistance of = distance();
+  std::vector<double> thresholds;
+  TileSlice nothing;
+  nothing.above = kNoSlice;
+  for (auto& [key, slice] : stored) {
+    if (key.table != kSliceTable) continue;
+    const std::int32_t above = SliceCoder::threshold_of(slice.content);
+    if (above != kNoSlice)
+      thresholds.push_back(of.is_whole() ? of.metres(above / 8.0) : error_of(static_cast<ErrorCode>(above)));
+    slice.content = SliceCoder().encode({0, 0}, manifest().description.extent, of, nothing);
+  }
+  return thresholds;
 }
 
 void Forgery::write(const std::filesystem::path& database) const {

@@ -39,6 +39,8 @@ class Forgery {
   /// Makes the tables of pages below, the records' entries and the header's generations say again what is there: a
   /// change that shows nowhere else is hidden then.
   void hide();
+  /// Makes all slices hold nothing, so that questions read pages. Returns the thresholds they had, in metres.
+  std::vector<double> empty_slices();
   void write(const std::filesystem::path& database) const;
 
   [[nodiscard]] static PageKey key(PageId id) { return {id.band, curve_position(id)}; }
