@@ -144,7 +144,13 @@ TEST(Slices, HaveVerticesWhoseCodeIsTheThreshold) {
   IngestOptions options;
   options.inputs.vertical_unit = VerticalUnit::foot;
   ingest(folder / "a.tif", folder / "a.talus", options);
-  EXPECT_EQ(verify(Database::open(folder / "a.talus").snapshot()).findings, std::vector<std::string>());
+  const Snapshot now = Database::open(folder / "a.talus").snapshot();
+  EXPECT_EQ(verify(now).findings, std::vector<std::string>());
+  // Nor may a field of tolerance leave out the page.
+  Question question{.region = now.description().extent, .tolerance = Metres{10}};
+  const std::size_t plain = now.ask(question).quadtree.vertices.size();
+  question.field = patch_tolerance(now.description().extent, 1, 1, {10.0});
+  EXPECT_EQ(now.ask(question).quadtree.vertices.size(), plain);
 }
 
 TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {
