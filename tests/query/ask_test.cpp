@@ -323,7 +323,8 @@ TEST_F(Ask, IsCancelledBeforeItBegins) {
 
 TEST_F(Ask, OnSeveralThreadsIsCancelledToo) {
   make(fit(fractal(1500, 1200, 6), SampleType::int16));
-  for (const int threads : {1, 2, 5}) {
+  // Where other threads take all tasks, the one that reports has nothing to say a second time: ask again.
+  const auto ask = [&](int threads) {
     std::stop_source source;
     std::binary_semaphore is_working(0);
     std::atomic<bool> is_stopped = false;
@@ -341,8 +342,14 @@ TEST_F(Ask, OnSeveralThreadsIsCancelledToo) {
                      }}));
     });
     is_working.release();
-    ASSERT_TRUE(failure);
-    EXPECT_EQ(failure->cause(), Cause::cancelled);
+    if (calls < 2) return false;
+    EXPECT_TRUE(failure && failure->cause() == Cause::cancelled);
+    return true;
+  };
+  for (const int threads : {1, 2, 5}) {
+    bool is_tried = false;
+    for (int i = 0; i < 200 && !is_tried; ++i) is_tried = ask(threads);
+    EXPECT_TRUE(is_tried) << threads << " threads";
   }
 }
 
