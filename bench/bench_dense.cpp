@@ -2,6 +2,7 @@
 // core, whole metres, with the kernel that TALUS_KERNEL names. Each rate is samples of whole pages.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,7 +14,7 @@
 #include "bench/yardstick.hpp"
 #include "engine/dense/dense_numbers.hpp"
 #include "engine/dense/kernels.hpp"
-#include "engine/dense/stored_eighths.hpp"
+#include "engine/page/stored_errors.hpp"
 
 namespace talus {
 namespace {
@@ -21,30 +22,26 @@ namespace {
 using detail::SortedSquare;
 
 constexpr int kSide = detail::kDenseSide, kAcross = 8;  // pages along a side of the ground
-constexpr std::size_t kSquare = std::size_t{kSide} * kSide;
 
 /// Pages of one ground, and what the reader of each knows before.
 struct Pages {
   std::vector<std::vector<std::uint16_t>> squares, known;
-  std::vector<std::vector<std::byte>> numbers, errors;
-  SquareBits data{};  ///< all
-  std::unique_ptr<StoredEighths> border;
+  std::vector<std::vector<std::byte>> numbers;
+  StoredErrors border;
 
   Pages() {
     const std::vector<double> ground = bench::mountains(kAcross * kSide);
-    for (int row = 0; row < kSide; ++row) {
-      for (int col = 0; col < kSide; ++col) insert(data, col, row);
-    }
-    border = std::make_unique<StoredEighths>(data, data);
+    Page page;
+    page.grid = page_grid({}, {{0, 0}, {kSide - 1, kSide - 1}});
+    border.list(page, ErrorForm::dense);
     DenseNumbers<std::uint16_t> writer;
-    const auto memory = std::make_unique<SortedSquare>();
     for (int y = 0; y < kAcross; ++y) {
-      for (int x = 0; x < kAcross; ++x) add(ground, x, y, writer, *memory);
+      for (int x = 0; x < kAcross; ++x) add(ground, x, y, writer);
     }
   }
 
  private:
-  void add(const std::vector<double>& ground, int x, int y, DenseNumbers<std::uint16_t>& writer, SortedSquare& memory) {
+  void add(const std::vector<double>& ground, int x, int y, DenseNumbers<std::uint16_t>& writer) {
     std::vector<std::uint16_t> square(kSquare), coarse(kSquare, 0);
     for (int row = 0; row < kSide; ++row) {
       for (int col = 0; col < kSide; ++col) {
@@ -56,19 +53,9 @@ struct Pages {
     }
     std::vector<std::byte> bytes;
     writer.put(square, nullptr, bytes);
-    const auto errors_of = std::make_unique<SortedSquare>();
-    const auto* heights = reinterpret_cast<const std::int16_t*>(square.data());
-    detail::eighths_kernel(instruction_set()).compute(heights, *errors_of, memory);
-    const SquareBits implied = implied_places(data);
-    for_each_bit(data, [&](int col, int row) {  // the least possible errors
-      if (!has(implied, col, row)) errors_of->numbers[SortedSquare::index_of(col, row)] = 0;
-    });
-    std::vector<std::byte> stored;
-    border->put({heights, kSquare}, *errors_of, stored);
     squares.push_back(std::move(square));
     known.push_back(std::move(coarse));
     numbers.push_back(std::move(bytes));
-    errors.push_back(std::move(stored));
   }
 };
 const Pages& pages() {
@@ -78,18 +65,19 @@ const Pages& pages() {
 
 /// What a page is read into.
 struct Room {
-  std::vector<std::uint16_t> square = std::vector<std::uint16_t>(kSquare);
-  SortedSquare errors{};
+  DenseSquares squares{};
   SortedSquare memory{};
   std::uint64_t rows[kSide][2] = {};
 
   void know(std::size_t page) {
     for (std::size_t row = 0; row < kSide; row += 8) {
       for (std::size_t col = 0; col < kSide; col += 8)
-        square[row * kSide + col] = pages().known[page][row * kSide + col];
+        square()[row * kSide + col] = pages().known[page][row * kSide + col];
     }
   }
-  [[nodiscard]] const std::int16_t* heights() const { return reinterpret_cast<const std::int16_t*>(square.data()); }
+  [[nodiscard]] std::span<std::uint16_t> square() {
+    return {reinterpret_cast<std::uint16_t*>(squares.numbers), kSquare};
+  }
 };
 
 /// Calls step(room, page) for one page after the other.
@@ -110,7 +98,7 @@ void BM_ReadNumbers(benchmark::State& state) {
   DenseNumbers<std::uint16_t> reader;
   over_pages(state, [&](Room& room, std::size_t page) {
     room.know(page);
-    if (!reader.get(pages().numbers[page], nullptr, room.square)) state.SkipWithError("the numbers are damaged");
+    if (!reader.get(pages().numbers[page], nullptr, room.square())) state.SkipWithError("the numbers are damaged");
   });
 }
 BENCHMARK(BM_ReadNumbers);
@@ -133,7 +121,8 @@ BENCHMARK(BM_WriteNumbers);
 void BM_ErrorsOfHeights(benchmark::State& state) {
   const detail::EighthsKernel& kernel = detail::eighths_kernel(instruction_set());
   over_pages(state, [&](Room& room, std::size_t page) {
-    kernel.compute(reinterpret_cast<const std::int16_t*>(pages().squares[page].data()), room.errors, room.memory);
+    kernel.compute(reinterpret_cast<const std::int16_t*>(pages().squares[page].data()), room.squares.errors,
+                   room.memory);
   });
 }
 BENCHMARK(BM_ErrorsOfHeights);
@@ -142,8 +131,9 @@ void BM_Select(benchmark::State& state) {
   const detail::EighthsKernel& kernel = detail::eighths_kernel(instruction_set());
   over_pages(state, [&](Room& room, std::size_t page) {
     if (page == 0)
-      kernel.compute(reinterpret_cast<const std::int16_t*>(pages().squares[0].data()), room.errors, room.memory);
-    benchmark::DoNotOptimize(kernel.select(room.errors, 40, {}, room.rows));
+      kernel.compute(reinterpret_cast<const std::int16_t*>(pages().squares[0].data()), room.squares.errors,
+                     room.memory);
+    benchmark::DoNotOptimize(kernel.select(room.squares.errors, 40, {}, room.rows));
   });
 }
 BENCHMARK(BM_Select);
@@ -154,11 +144,12 @@ void BM_BytesToBits(benchmark::State& state) {
   DenseNumbers<std::uint16_t> reader;
   over_pages(state, [&](Room& room, std::size_t page) {
     room.know(page);
-    bool whole = reader.get(pages().numbers[page], nullptr, room.square);
-    kernel.compute(room.heights(), room.errors, room.memory);
-    whole = pages().border->get(pages().errors[page], {room.heights(), kSquare}, room.errors) > 0 && whole;
+    bool whole = reader.get(pages().numbers[page], nullptr, room.square());
+    kernel.compute(room.squares.numbers, room.squares.errors, room.memory);
+    constexpr std::array<std::byte, 1> kLeast{};  // the others are the least possible errors
+    whole = pages().border.get(kLeast, room.squares, nullptr) && whole;
     if (!whole) state.SkipWithError("the page is damaged");
-    benchmark::DoNotOptimize(kernel.select(room.errors, 40, {}, room.rows));
+    benchmark::DoNotOptimize(kernel.select(room.squares.errors, 40, {}, room.rows));
   });
 }
 BENCHMARK(BM_BytesToBits);

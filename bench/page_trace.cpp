@@ -34,11 +34,11 @@ std::uint64_t watched_checksum(PageKey key, std::uint32_t generation, std::span<
 PageTrace::PageTrace() { watching = this; }
 PageTrace::~PageTrace() { watching = nullptr; }
 
-std::size_t PageTrace::runs(int table, std::size_t gap) const {
+std::size_t PageTrace::runs(std::size_t gap) const {
   constexpr std::uintptr_t kFilePage = 4096;
   std::vector<std::pair<std::uintptr_t, std::uintptr_t>> pieces;  // first and last page of the file
   for (const PageRead& read : reads_) {
-    if (read.table != table || read.bytes.empty()) continue;
+    if (read.bytes.empty()) continue;
     const auto at = reinterpret_cast<std::uintptr_t>(read.bytes.data());
     pieces.emplace_back(at / kFilePage, (at + read.bytes.size() - 1) / kFilePage);
   }

@@ -22,11 +22,11 @@ class PageTrace {
   ~PageTrace();
   PageTrace(const PageTrace&) = delete;
   PageTrace& operator=(const PageTrace&) = delete;
-  /// Pages in the order in which they were read, and the directories of their shelves.
+  /// Pages in the order in which they were read, and the directories of their tiles.
   [[nodiscard]] const std::vector<PageRead>& reads() const { return reads_; }
-  /// Of those in the table, how many pieces of the file they are, in pages of the file of 4096 bytes; gaps of up to
-  /// `gap` bytes do not part two pieces.
-  [[nodiscard]] std::size_t runs(int table, std::size_t gap) const;
+  /// How many pieces of the file they are, in pages of the file of 4096 bytes; gaps of up to `gap` bytes do not part two
+  /// pieces.
+  [[nodiscard]] std::size_t runs(std::size_t gap) const;
 
  private:
   friend struct Watch;

@@ -145,30 +145,25 @@ void BM_TwoThreadsAgainstOne(benchmark::State& state) {
 }
 BENCHMARK(BM_TwoThreadsAgainstOne)->Iterations(kTurns)->UseManualTime()->Unit(benchmark::kMillisecond);
 
-/// Pieces of the file that a window of 4097² reads, for each tier; `near`, if gaps of up to 64 KiB are none. Must: of
-/// the worst. LMDB's own pages are not counted.
+/// Pieces of the file that a window of 4097² reads; `near`, if gaps of up to 64 KiB are none. LMDB's own pages are not
+/// counted.
 void BM_RunsOfWindow4097(benchmark::State& state) {
   const auto file = kept("taiwan_z13/taiwan.vrt");
   if (!file) return state.SkipWithError(kNoModels);
   const Snapshot now = Database::open(*file, {.cache_bytes = 0, .threads = 1}).snapshot();
-  const auto bands = static_cast<int>(now.storage().bands.size());
   const GridRect window = state.range(0) != 0 ? kTaiwanShifted : kTaiwanWindow;
   const Metres tolerance = now.ask({.region = window, .budget = {.vertices = 2'000'000}}).quadtree.tolerance;
-  std::size_t worst = 0;
+  std::size_t runs = 0;
   for (auto _ : state) {
     const PageTrace trace;
     const Answer answer = now.ask({.region = window, .tolerance = tolerance});
     if (answer.cost.pages_read == 0 || trace.reads().size() < answer.cost.pages_read - 1) {
       return state.SkipWithError("pages were read unseen: the linker's --wrap no longer fits page_checksum");
     }
-    for (int band = 0; band < bands; ++band) {
-      const std::size_t runs = trace.runs(band, 0);
-      worst = std::max(worst, runs);
-      state.counters[fmt::format("tier{}", band)] = static_cast<double>(runs);
-      state.counters[fmt::format("near{}", band)] = static_cast<double>(trace.runs(band, 64 << 10));
-    }
+    runs = trace.runs(0);
+    state.counters["near"] = static_cast<double>(trace.runs(64 << 10));
   }
-  say(state, static_cast<double>(worst), 4);
+  say(state, static_cast<double>(runs), 8);
 }
 BENCHMARK(BM_RunsOfWindow4097)->ArgName("shifted")->Arg(0)->Arg(1)->Iterations(1);
 

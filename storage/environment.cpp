@@ -44,6 +44,7 @@ std::string table_name(int table) {
   if (table == kSliceTable) return "slices";
   return table == kRecordTable ? "records" : fmt::format("band/{:02}", table);
 }
+std::string stored_name(int table) { return table == kTileTable ? "tiles" : table_name(table); }
 
 void PageStore::Environment::open_tables() {
   MDB_txn* raw = nullptr;
@@ -52,7 +53,7 @@ void PageStore::Environment::open_tables() {
   for (std::size_t i = 0; i < kMaxTables; ++i) {
     if (tables[i]) continue;
     MDB_dbi table = 0;
-    const int code = mdb_dbi_open(raw, table_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
+    const int code = mdb_dbi_open(raw, stored_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
     if (code == MDB_NOTFOUND) continue;
     check(code, "read a table", file);
     tables[i] = table;

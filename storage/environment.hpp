@@ -30,10 +30,12 @@ struct AbortTxn {
 };
 using TxnPtr = std::unique_ptr<MDB_txn, AbortTxn>;
 
-inline constexpr unsigned kMaxTables = 35;  ///< header, 32 bands, records, slices
+inline constexpr unsigned kMaxTables = 33;  ///< header, tiles, bands 1 to 31
 
 /// "header", "band/07" or "records".
 [[nodiscard]] std::string table_name(int table);
+/// LMDB's name of a table: "header", "tiles" or "band/07".
+[[nodiscard]] std::string stored_name(int table);
 
 struct PageStore::Environment {
   EnvPtr env;

@@ -23,11 +23,15 @@ struct PageKey {
 };
 inline constexpr int kHeaderTable = -1, kRecordTable = 32, kSliceTable = 33;
 
-/// In LMDB each large value takes whole pages of the file. The many small pages of table 0 share values: a shelf holds
-/// the 64 positions from a multiple of 64 on. Each page is still read and checked alone.
-inline constexpr int kShelfShift = 6;
-inline constexpr std::size_t kShelfPages = std::size_t{1} << kShelfShift;
-[[nodiscard]] constexpr bool is_shelved(int table) { return table == 0; }
+/// In LMDB each large value takes whole pages of the file. So all that belongs to a tile is one value: the page of band 1
+/// at its position, its 64 pages of band 0 (their positions begin with the tile's), its slice and its record. Each of
+/// these is still read and checked alone.
+inline constexpr int kTileTable = 0;  ///< of these values, in LMDB
+inline constexpr std::size_t kTilePages = 64;  ///< of band 0
+inline constexpr std::size_t kTileDirectoryBytes = 8 + 4 * (kTilePages + 3);
+[[nodiscard]] constexpr bool is_of_tile(int table) {
+  return table == 0 || table == 1 || table == kRecordTable || table == kSliceTable;
+}
 
 /// A page in the mapped file, at any alignment; valid as long as the transaction.
 struct StoredPage {
@@ -36,7 +40,7 @@ struct StoredPage {
 };
 
 struct TableSummary {
-  std::uint64_t pages = 0, bytes = 0;  ///< bytes of the stored values
+  std::uint64_t pages = 0, bytes = 0;  ///< stored bytes; those of directories count for table 1
 };
 
 /// An open file. A process has one LMDB environment a file: opening it again returns the same one.
@@ -76,14 +80,15 @@ class ReadTxn {
 
   /// visit(position) for each page of a table, in order.
   ///
-  /// damaged  called for a damaged shelf with the position of its first page, and the walk continues; empty: it fails
-  /// fails    corrupt: a damaged tree, or a damaged shelf without `damaged`
+  /// damaged  called for a damaged tile with the first position that it has in the table, and the walk continues; empty:
+  ///          it fails
+  /// fails    corrupt: a damaged tree, or a damaged tile without `damaged`
   void for_each(int table, const std::function<void(std::uint64_t position)>& visit,
                 const std::function<void(std::uint64_t first, const Failure&)>& damaged = {}) const;
   /// Whether a table has a page at a position. Reads no content.
-  /// fails  corrupt: a damaged shelf
+  /// fails  corrupt: a damaged tile
   [[nodiscard]] bool has(PageKey key) const;
-  /// Removes a page, or its whole shelf, from this process's memory; otherwise what was read counts as used. Spans to
+  /// Removes a page, or its whole tile, from this process's memory; otherwise what was read counts as used. Spans to
   /// it stay valid and are read again when needed.
   void forget(PageKey key) const;
   [[nodiscard]] TableSummary summary(int table) const;
@@ -107,7 +112,7 @@ class PageWriter {
   PageWriter(const PageWriter&) = delete;
   PageWriter& operator=(const PageWriter&) = delete;
 
-  /// Sets a page. Put the pages of one shelf in a row, in order and completely: a shelf is written as a whole.
+  /// Sets a page. Put all that a tile has in one group: it is written as a whole.
   void put(PageKey key, std::span<const std::byte> page, std::uint32_t generation = 0);
   /// Ends a group of puts; the file has whole groups only. Writes when enough has gathered, or at once.
   void commit(bool now = false);

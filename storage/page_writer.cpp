@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <map>
 #include <utility>
 #include <variant>
 
@@ -10,24 +11,23 @@
 
 #include "storage/environment.hpp"
 #include "storage/seal.hpp"
-#include "storage/shelf.hpp"
+#include "storage/tile_value.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
 
 struct PageWriter::Impl {
   struct Value {
-    int table;
-    std::uint64_t position;
-    std::variant<std::vector<std::byte>, ShelfPages> content;  ///< a page, or the pages of a shelf
+    ValueKey key;
+    std::variant<std::vector<std::byte>, TileParts> content;  ///< a page, or all that a tile has
 
     [[nodiscard]] std::size_t size() const {
-      const auto* shelf = std::get_if<ShelfPages>(&content);
-      return shelf != nullptr ? shelf_size(*shelf) : std::get<0>(content).size();
+      const auto* tile = std::get_if<TileParts>(&content);
+      return tile != nullptr ? tile_size(*tile) : std::get<0>(content).size();
     }
     void lay(std::byte* to) const {
-      if (const auto* shelf = std::get_if<ShelfPages>(&content)) {
-        lay_shelf(table, position, *shelf, to);
+      if (const auto* tile = std::get_if<TileParts>(&content)) {
+        lay_tile(key.position, *tile, to);
       } else {
         std::copy(std::get<0>(content).begin(), std::get<0>(content).end(), to);
       }
@@ -37,32 +37,29 @@ struct PageWriter::Impl {
 
   std::shared_ptr<PageStore::Environment> environment = std::make_shared<PageStore::Environment>();
   std::size_t map_bytes = std::size_t{64} << 20;
-  std::vector<Value> batch;  // kept until committed, because it is written again after the map grew
+  std::vector<Value> batch;                    // kept until committed, because it is written again after the map grew
+  std::map<std::uint64_t, std::size_t> tiles;  // which of them are tiles
   std::size_t batch_bytes = 0;
-  ShelfPages shelf;  // the shelf that put() is filling
-  std::optional<std::pair<int, std::uint64_t>> shelf_at;
 
   [[nodiscard]] MDB_env* env() const { return environment->env.get(); }
   [[nodiscard]] const std::filesystem::path& file() const { return environment->file; }
 
-  void add(Value value) {
-    batch_bytes += value.size();
-    batch.push_back(std::move(value));
-  }
-
-  void close_shelf() {
-    if (!shelf_at) return;
-    add({shelf_at->first, shelf_at->second, std::exchange(shelf, {})});
-    shelf_at.reset();
+  void put(PageKey key, std::vector<std::byte> stored) {
+    batch_bytes += stored.size();
+    const ValueKey at = value_key(key);
+    if (!is_of_tile(key.table)) return batch.push_back({at, std::move(stored)});
+    const auto [tile, is_new] = tiles.try_emplace(at.position, batch.size());
+    if (is_new) batch.push_back({at, TileParts{}});
+    std::get<TileParts>(batch[tile->second].content)[part_of(key)] = std::move(stored);
   }
 
   void write_batch() {
-    close_shelf();
     while (!try_batch()) {
       map_bytes *= 2;
       check(mdb_env_set_mapsize(env(), map_bytes), "enlarge it", file());
     }
     batch.clear();
+    tiles.clear();
     batch_bytes = 0;
   }
 
@@ -74,10 +71,10 @@ struct PageWriter::Impl {
     TxnPtr txn(raw);
     for (const Value& value : batch) {
       MDB_dbi dbi = 0;
-      int code = mdb_dbi_open(raw, table_name(value.table).c_str(), MDB_CREATE, &dbi);
+      int code = mdb_dbi_open(raw, stored_name(value.key.table).c_str(), MDB_CREATE, &dbi);
       MDB_val room{value.size(), nullptr};  // LMDB returns the position in the file, so pages are copied once
       if (code == MDB_SUCCESS) {
-        KeyBytes key = key_bytes(value.position);
+        KeyBytes key = key_bytes(value.key.position);
         MDB_val at{key.size(), key.data()};
         code = mdb_put(raw, dbi, &at, &room, MDB_APPEND | MDB_RESERVE);
         if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &room, MDB_RESERVE);  // not the largest key: insert
@@ -115,11 +112,7 @@ PageWriter::PageWriter(std::filesystem::path file) : impl_(std::make_unique<Impl
 PageWriter::~PageWriter() = default;
 
 void PageWriter::put(PageKey key, std::span<const std::byte> page, std::uint32_t generation) {
-  const std::pair at{key.table, value_position(key)};
-  if (impl_->shelf_at != at) impl_->close_shelf();
-  if (!is_shelved(key.table)) return impl_->add({at.first, at.second, wrapped(key, generation, page)});
-  impl_->shelf_at = at;
-  impl_->shelf[key.position % kShelfPages] = wrapped(key, generation, page);
+  impl_->put(key, wrapped(key, generation, page));
 }
 
 void PageWriter::commit(bool now) {

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "storage/environment.hpp"
-#include "storage/shelf.hpp"
+#include "storage/tile_value.hpp"
 #include "talus/failure.hpp"
 
 namespace talus {
@@ -28,18 +28,23 @@ struct ReadTxn::Impl {
                                        : fmt::format("{}: {}", file().string(), sentence),
             file()};
   }
-  [[nodiscard]] std::optional<std::span<const std::byte>> value(int number, std::uint64_t position) const {
-    if (!table(number)) return std::nullopt;
-    KeyBytes bytes = key_bytes(position);
+  [[nodiscard]] std::optional<std::span<const std::byte>> value(ValueKey at) const {
+    if (!table(at.table)) return std::nullopt;
+    KeyBytes bytes = key_bytes(at.position);
     MDB_val key{bytes.size(), bytes.data()}, found{};
-    const int code = mdb_get(txn.get(), *table(number), &key, &found);
+    const int code = mdb_get(txn.get(), *table(at.table), &key, &found);
     environment->require_all_bytes();
     if (code == MDB_NOTFOUND) return std::nullopt;
     check(code, "read a page", file());
     return std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size);
   }
 
-  /// visit(position, value) for each value of a table, in order.
+  /// A page as it is stored, from the value that may have it; empty: there is none.
+  static std::span<const std::byte> stored_in(std::span<const std::byte> value, PageKey key) {
+    return is_of_tile(key.table) ? parts_of_tile(value_key(key).position, value)[part_of(key)] : value;
+  }
+
+  /// visit(position, value) for each value of a table of LMDB, in order.
   template <class Visit>
   void for_each_value(int number, Visit&& visit) const {
     if (!table(number)) return;
@@ -52,7 +57,7 @@ struct ReadTxn::Impl {
       environment->require_all_bytes();
       if (key.mv_size != sizeof(KeyBytes)) {
         throw Failure(Cause::corrupt, fmt::format("corrupt: {}: table {} has a key of {} bytes", file().string(),
-                                                  table_name(number), key.mv_size));
+                                                  stored_name(number), key.mv_size));
       }
       try {
         visit(position_of(key.mv_data), std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size));
@@ -84,12 +89,11 @@ ReadTxn::ReadTxn(ReadTxn&&) noexcept = default;
 ReadTxn& ReadTxn::operator=(ReadTxn&&) noexcept = default;
 
 std::optional<StoredPage> ReadTxn::find(PageKey key) const {
-  const auto value = impl_->value(key.table, value_position(key));
+  const auto value = impl_->value(value_key(key));
   if (!value) return std::nullopt;
   try {
-    if (!is_shelved(key.table)) return unwrapped(key, *value);
-    const auto stored = pages_of_shelf(key.table, value_position(key), *value)[key.position % kShelfPages];
-    if (stored.empty()) return std::nullopt;
+    const auto stored = Impl::stored_in(*value, key);
+    if (stored.empty() && is_of_tile(key.table)) return std::nullopt;
     return unwrapped(key, stored);
   } catch (const Failure& f) {
     impl_->environment->require_all_bytes();
@@ -98,10 +102,10 @@ std::optional<StoredPage> ReadTxn::find(PageKey key) const {
 }
 
 bool ReadTxn::has(PageKey key) const {
-  const auto value = impl_->value(key.table, value_position(key));
-  if (!value || !is_shelved(key.table)) return value.has_value();
+  const auto value = impl_->value(value_key(key));
+  if (!value) return false;
   try {
-    return !pages_of_shelf(key.table, value_position(key), *value)[key.position % kShelfPages].empty();
+    return !is_of_tile(key.table) || !Impl::stored_in(*value, key).empty();
   } catch (const Failure& f) {
     impl_->environment->require_all_bytes();
     throw impl_->in_file(f);
@@ -109,7 +113,7 @@ bool ReadTxn::has(PageKey key) const {
 }
 
 void ReadTxn::forget(PageKey key) const {
-  const auto value = impl_->value(key.table, value_position(key));
+  const auto value = impl_->value(value_key(key));
   if (!value) return;
   // A large value begins after the header of its first page. The page's number there says how far the map's start is.
   constexpr std::uintptr_t kHeader = 16, kAround = std::uintptr_t{64} << 10;
@@ -132,32 +136,37 @@ void ReadTxn::forget(PageKey key) const {
 
 void ReadTxn::for_each(int table, const std::function<void(std::uint64_t)>& visit,
                        const std::function<void(std::uint64_t, const Failure&)>& damaged) const {
-  impl_->for_each_value(table, [&](std::uint64_t position, std::span<const std::byte> value) {
-    if (!is_shelved(table)) return visit(position);
-    std::array<std::span<const std::byte>, kShelfPages> pages;
+  if (!is_of_tile(table)) return impl_->for_each_value(table, [&](std::uint64_t position, auto&&) { visit(position); });
+  impl_->for_each_value(kTileTable, [&](std::uint64_t tile, std::span<const std::byte> value) {
+    std::array<std::span<const std::byte>, kTileParts> parts;
     try {
-      pages = pages_of_shelf(table, position, value);
+      parts = parts_of_tile(tile, value);
     } catch (const Failure& f) {
       if (!damaged) throw;
-      return damaged(position << kShelfShift, impl_->in_file(f));
+      return damaged(position_in_tile(table, tile, 0), impl_->in_file(f));
     }
-    for (std::size_t i = 0; i < kShelfPages; ++i) {
-      if (!pages[i].empty()) visit(position << kShelfShift | i);
+    for (std::size_t i = 0; i < pages_in_tile(table); ++i) {
+      const std::uint64_t position = position_in_tile(table, tile, i);
+      if (!parts[part_of({table, position})].empty()) visit(position);
     }
   });
 }
 
 TableSummary ReadTxn::summary(int table) const {
   TableSummary sum;
-  impl_->for_each_value(table, [&](std::uint64_t position, std::span<const std::byte> value) {
-    sum.bytes += value.size();
-    if (!is_shelved(table)) {
-      ++sum.pages;
-      return;
-    }
-    const auto pages = pages_of_shelf(table, position, value);
-    sum.pages +=
-        static_cast<std::uint64_t>(std::count_if(pages.begin(), pages.end(), [](auto p) { return !p.empty(); }));
+  const auto add = [&](std::span<const std::byte> stored) {
+    sum.pages += stored.empty() ? 0 : 1;
+    sum.bytes += stored.size();
+  };
+  if (!is_of_tile(table)) {
+    impl_->for_each_value(table, [&](std::uint64_t, std::span<const std::byte> value) { add(value); });
+    return sum;
+  }
+  impl_->for_each_value(kTileTable, [&](std::uint64_t tile, std::span<const std::byte> value) {
+    const auto parts = parts_of_tile(tile, value);
+    for (std::size_t i = 0; i < pages_in_tile(table); ++i)
+      add(parts[part_of({table, position_in_tile(table, tile, i)})]);
+    sum.bytes += table == 1 ? kTileDirectoryBytes : 0;
   });
   return sum;
 }

@@ -1,5 +1,7 @@
 #include "engine/dense/square_bits.hpp"
 
+#include "engine/machine/cpu.hpp"
+
 namespace talus {
 namespace {
 
@@ -46,7 +48,16 @@ Row finest_sides(const Rows& data, int row) {
   return here & north & south & (west | east) & columns(0, 2);
 }
 
+TALUS_CLONES int count_of(const std::uint64_t (*rows)[2]) {
+  int count = 0;
+  for (int row = 0; row < kSide; ++row)
+    count += __builtin_popcountll(rows[row][0]) + __builtin_popcountll(rows[row][1]);
+  return count;
+}
+
 }  // namespace
+
+std::size_t count(const SquareBits& bits) { return static_cast<std::size_t>(count_of(bits.data())); }
 
 SquareBits implied_places(const SquareBits& data) {
   const Rows samples(data);

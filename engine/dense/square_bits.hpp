@@ -13,11 +13,7 @@ namespace talus {
 /// By row of the square: bit c mod 64 of word c / 64.
 using SquareBits = std::array<std::uint64_t[2], detail::kDenseSide>;
 
-[[nodiscard]] inline std::size_t count(const SquareBits& bits) {
-  int count = 0;
-  for (const auto& row : bits) count += std::popcount(row[0]) + std::popcount(row[1]);
-  return static_cast<std::size_t>(count);
-}
+[[nodiscard]] std::size_t count(const SquareBits& bits);
 [[nodiscard]] inline bool has(const SquareBits& bits, int col, int row) {
   return (bits[static_cast<std::size_t>(row)][col / 64] >> (col % 64) & 1) != 0;
 }
@@ -30,6 +26,12 @@ inline void insert(SquareBits& bits, int col, int row) {
 }
 inline void insert(SquareBits& bits, std::size_t at) {
   insert(bits, static_cast<int>(at % detail::kDenseSide), static_cast<int>(at / detail::kDenseSide));
+}
+
+/// The bits of `all` that `some` lacks.
+[[nodiscard]] inline SquareBits without(SquareBits all, const SquareBits& some) {
+  for (std::size_t row = 0; row < all.size(); ++row) all[row][0] &= ~some[row][0], all[row][1] &= ~some[row][1];
+  return all;
 }
 
 /// The vertices of spacing 1, 2 and 4 whose errors follow from the heights of the square, if these samples are data:

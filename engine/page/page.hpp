@@ -2,6 +2,7 @@
 // One page in memory.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -27,10 +28,16 @@ struct ChildEntry {
 /// One entry for both: the larger error, the joined range of heights, the later generation.
 [[nodiscard]] ChildEntry joined(const ChildEntry& a, const ChildEntry& b);
 
-/// The dense form of a page: heights in 16 bits, and all errors in eighths of a height code.
+/// The code of each number of eighths, or null: errors of dense pages that do not follow from heights are eighths, too.
+using CodesOfEighths = const std::array<ErrorCode, 1 << 15>*;
+/// How a dense page has a code beside its eighths.
+[[nodiscard]] constexpr std::int16_t coded(int code) { return static_cast<std::int16_t>(-1 - code); }
+
+/// The dense form of a page: heights in 16 bits, and errors in eighths of a height code.
 struct DenseSquares {
   alignas(64) std::int16_t numbers[kSquare];  ///< height codes less Page::base, row by row of the page's square
-  detail::SortedSquare errors;                ///< of own vertices in the extent; the others have no meaning
+  /// Of own vertices in the extent; the others have no meaning. Below 0: coded(code).
+  detail::SortedSquare errors;
 };
 
 /// A page to be encoded has heights and the errors of all own vertices. A decoded page is in one of two forms: dense,
@@ -47,6 +54,7 @@ struct Page {
   std::vector<double> heights;  ///< height codes, row by row; dense: empty
   /// Saturated; 0 for vertices of coarser bands. Decoded: 0 where implied. Dense: empty.
   std::vector<ErrorCode> errors;
+  std::vector<std::uint16_t> coded;  ///< dense: places in the square of vertices whose errors are codes
   /// Decoded: errors that follow from heights (engine/page/page_errors.hpp) as exact distances in height codes; -1
   /// where there is none. In eighths if heights are whole numbers. Both empty: no error is implied.
   std::vector<std::int32_t> eighths;
@@ -76,27 +84,32 @@ struct Page {
   [[nodiscard]] double height(std::size_t i) const {
     return is_dense ? static_cast<double>(base + squares.front().numbers[in_square(i)]) : heights[i];
   }
-  /// The error of an own vertex of a dense page in eighths of a height code; -1: not an own vertex.
+  /// The error of an own vertex of a dense page in eighths of a height code, or coded(code); -1: not an own vertex.
   [[nodiscard]] std::int32_t dense_error(std::size_t i) const {
     const auto at = static_cast<std::int32_t>(in_square(i));
     const std::int32_t col = at % kPageSide, row = at / kPageSide;
     if (((col | row) & (kChildrenAcross - 1)) == 0) return -1;
     return squares.front().errors.numbers[detail::SortedSquare::index_of(col, row)];
   }
-  /// For a decoded page that is not dense: whether an error follows from heights, and in height codes.
-  [[nodiscard]] bool is_implied(std::size_t i) const {
+  /// For a decoded page: whether an error is a distance in height codes, not a code; the one and the other.
+  [[nodiscard]] bool has_distance(std::size_t i) const {
+    if (is_dense) return dense_error(i) >= 0;
     return eighths.empty() ? !distances.empty() && distances[i] >= 0 : eighths[i] >= 0;
   }
-  [[nodiscard]] double implied_distance(std::size_t i) const {
+  [[nodiscard]] double distance_of(std::size_t i) const {
+    if (is_dense) return dense_error(i) / 8.0;
     return eighths.empty() ? distances[i] : eighths[i] / 8.0;
+  }
+  [[nodiscard]] ErrorCode code(std::size_t i) const {
+    return is_dense ? static_cast<ErrorCode>(-1 - dense_error(i)) : errors[i];
   }
   /// What the error of an own vertex counts as when it is compared with a tolerance: in a database of whole numbers
   /// eighths of a height code (see CodeDistance::eighths), in others the code.
   [[nodiscard]] std::int32_t counted_error(std::size_t i, const CodeDistance& distance) const {
     if (!distance.is_whole()) return error(i, distance);
     if (is_dense) return std::max(dense_error(i), 0);
-    if (!is_implied(i)) return distance.counted(errors[i]);
-    const double up = std::ceil(8 * implied_distance(i));
+    if (!has_distance(i)) return distance.counted(code(i));
+    const double up = std::ceil(8 * distance_of(i));
     return up < kMostEighths ? static_cast<std::int32_t>(up) : kMostEighths;
   }
   /// What the error of an own vertex counts as, in metres. In a database of whole numbers it is a whole number of
@@ -104,13 +117,11 @@ struct Page {
   /// up. So pages of all forms, and slices, agree which vertices a tolerance selects.
   [[nodiscard]] double error_m(std::size_t i, const CodeDistance& distance) const {
     if (!distance.is_whole()) return error_of(error(i, distance));
-    if (is_dense) return distance.metres(std::max(dense_error(i), 0) / 8.0);
-    return is_implied(i) ? distance.metres(std::ceil(8 * implied_distance(i)) / 8) : distance.up_to_eighths(errors[i]);
+    return has_distance(i) ? distance.metres(std::ceil(8 * distance_of(i)) / 8) : distance.up_to_eighths(code(i));
   }
   /// The code that was stored, or else the smallest one that is not below the error.
   [[nodiscard]] ErrorCode error(std::size_t i, const CodeDistance& distance) const {
-    if (is_dense) return error_code(distance.metres(std::max(dense_error(i), 0) / 8.0));
-    return is_implied(i) ? error_code(distance.metres(implied_distance(i))) : errors[i];
+    return has_distance(i) ? error_code(distance.metres(distance_of(i))) : code(i);
   }
 
   /// Where sample i is in the page's square.

@@ -1,5 +1,5 @@
 #pragma once
-// Pages as bytes. docs/format has the bytes; engine/dense, page_errors, page_voids and number_coder code the parts.
+// Pages as bytes. docs/format has the bytes; engine/dense, stored_errors, page_voids and number_coder code the parts.
 
 #include <cstddef>
 #include <memory>

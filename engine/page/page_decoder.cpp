@@ -11,6 +11,8 @@
 namespace talus {
 namespace {
 
+constexpr const char* kWrongErrors = "its errors have too few or too many bits, or one is larger than any possible one";
+
 std::int64_t plus(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
@@ -57,7 +59,7 @@ struct PageDecoder::Scratch : PageWorkspace {
   void get_square(std::span<T> square, DenseNumbers<T>& coder);
   template <class T>
   void heights_of(const std::vector<T>& square);
-  void get_dense_errors();
+  void get_dense_errors(const CodeDistance& distance);
   void get_other_errors(const CodeDistance& distance);
 };
 
@@ -75,6 +77,7 @@ void PageDecoder::Scratch::begin(PageId id, GridRect extent, int bands) {
   page.drops_heights = false;
   page.heights.clear();
   page.errors.clear();
+  page.coded.clear();
   page.eighths.clear();
   page.distances.clear();
   page.valid.clear();
@@ -96,20 +99,19 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
   head.width = static_cast<unsigned>(whole_at(bytes, 6, 2));
   if (head.width != 2 && head.width != 4 && head.width != 8) corrupt("its numbers have an unknown width");
   head.base = static_cast<std::int64_t>(whole_at(bytes, 8, 8));
-  const bool is_implied = byte(3) != 0, is_of_whole = byte(3) == 2 || byte(3) == 4;
+  const bool is_implied = byte(3) != 0, is_of_whole = byte(3) == 2 || byte(3) >= 4;
   head.errors = static_cast<ErrorForm>(byte(3));
-  if (byte(3) > 4 || (is_implied && (page.id.band > 0 || page.grid.size() == 0 || head.has(kDropsHeights))) ||
+  if (byte(3) > 5 || (is_implied && (page.id.band > 0 || page.grid.size() == 0 || head.has(kDropsHeights))) ||
       (is_of_whole && (head.coding != Coding::whole || head.width > 4)) ||
-      (head.errors == ErrorForm::dense &&
-       (!distance.is_whole() || head.width != 2 || head.base > kLargestDenseBase || head.base < -kLargestDenseBase)))
+      (byte(3) >= 4 && (distance.is_whole() != (head.errors == ErrorForm::dense) || head.width != 2 ||
+                        head.base > kLargestDenseBase || head.base < -kLargestDenseBase)))
     corrupt("its form of errors is impossible");
   if (byte(4) != static_cast<unsigned>(page.grid.cols) || byte(5) != static_cast<unsigned>(page.grid.rows))
     corrupt("its size does not match the extent");
   head.height_bytes = whole_at(bytes, 16, 4);
-  head.error_bytes = whole_at(bytes, 20, 2);
+  head.error_bytes = whole_at(bytes, 20, 4);
   const std::size_t rest = bytes.size() - kPageHead;
   if (head.height_bytes > rest || head.error_bytes > rest - head.height_bytes) corrupt("it is shorter than its parts");
-  if ((head.error_bytes != 0) != (head.errors == ErrorForm::dense)) corrupt("its parts contradict its form of errors");
   height_bytes = bytes.subspan(kPageHead, head.height_bytes);
   error_bytes = bytes.subspan(kPageHead + head.height_bytes, head.error_bytes);
   const auto numbers = bytes.subspan(kPageHead + head.height_bytes + head.error_bytes);
@@ -119,7 +121,7 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
 
 void PageDecoder::Scratch::get_most(const CodeDistance& distance) {
   const std::size_t n = page.grid.size();
-  page.is_dense = head.errors == ErrorForm::dense;
+  page.is_dense = head.errors >= ErrorForm::dense;
   page.drops_heights = head.has(kDropsHeights);
   page.base = head.base;
   if (head.has(kHasVoids)) {
@@ -135,7 +137,8 @@ void PageDecoder::Scratch::get_most(const CodeDistance& distance) {
   if (head.has(kHasChildren) && !get_children(page.children, in)) corrupt("its child entries are wrong");
   if (page.drops_heights) {
     page.errors.assign(n, 0);
-    if (!stored.get(page, distance, kErrorsFrom, in)) corrupt("an error is larger than any possible one");
+    stored.list(page, ErrorForm::none);
+    if (!stored.get(error_bytes, page, distance)) corrupt(kWrongErrors);
   }
   mark_needed(page);
   get_heights();
@@ -180,11 +183,13 @@ void PageDecoder::Scratch::get_heights() {
   });
 }
 
-void PageDecoder::Scratch::get_dense_errors() {
+void PageDecoder::Scratch::get_dense_errors(const CodeDistance& distance) {
   DenseSquares& squares = page.squares.front();
   detail::eighths_kernel(instruction_set()).compute(squares.numbers, squares.errors, heights_in_eighths);
-  if (dense_errors.of(page).get(error_bytes, squares.numbers, squares.errors) != error_bytes.size())
-    corrupt("its errors have too few or too many bits");
+  const CodesOfEighths codes = eighths_as_codes.in(distance);
+  stored.list(page, head.errors);
+  if (!stored.get(error_bytes, squares, codes)) corrupt(kWrongErrors);
+  if (codes != nullptr) stored.places(page.coded);
 }
 
 void PageDecoder::Scratch::get_other_errors(const CodeDistance& distance) {
@@ -192,7 +197,8 @@ void PageDecoder::Scratch::get_other_errors(const CodeDistance& distance) {
   errors_of.imply(head.errors, whole_square, page);
   if (page.drops_heights) return;
   page.errors.assign(page.grid.size(), 0);
-  if (!stored.get(page, distance, kErrorsFrom, in)) corrupt("an error is larger than any possible one");
+  stored.list(page, head.errors);
+  if (!stored.get(error_bytes, page, distance)) corrupt(kWrongErrors);
 }
 
 const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
@@ -208,7 +214,7 @@ const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, const Cod
                                 std::span<const std::byte> bytes) {
   Scratch& s = *scratch_;
   static_cast<void>(decode_heights(id, extent, bands, distance, bytes));
-  s.page.is_dense ? s.get_dense_errors() : s.get_other_errors(distance);
+  s.page.is_dense ? s.get_dense_errors(distance) : s.get_other_errors(distance);
   if (s.head.has_numbers() && !s.in.is_intact()) s.corrupt("it has too few or too many bits");
   return s.page;
 }

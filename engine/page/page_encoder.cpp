@@ -21,7 +21,7 @@ void put_head(const PageHead& head, const PageGrid& grid, std::vector<std::byte>
   put(out, static_cast<std::uint16_t>(head.width));
   put(out, static_cast<std::uint64_t>(head.base));
   put(out, static_cast<std::uint32_t>(head.height_bytes));
-  put(out, static_cast<std::uint16_t>(head.error_bytes));
+  put(out, static_cast<std::uint32_t>(head.error_bytes));
 }
 
 void put_children(const std::vector<ChildEntry>& children, NumberWriter& out) {
@@ -70,8 +70,7 @@ struct PageEncoder::Scratch : PageWorkspace {
   template <class T>
   void put_square(std::vector<T>& square, DenseNumbers<T>& coder);
 
-  /// Whether the dense form has exactly the given errors; stored ones rounded up to eighths. Appends them to `errors`.
-  bool put_dense_errors(const Page& given, const CodeDistance& distance);
+  /// Whether the dense form has exactly the given errors; stored ones rounded up to eighths if errors count so.
   bool dense_errors_follow(const Page& given, const CodeDistance& distance);
   ErrorForm find_implied(const Page& given, const PageHead& head, bool is_narrow, const CodeDistance& distance);
   bool gives_errors_of(const Page& given, ErrorForm form, const CodeDistance& distance);
@@ -142,9 +141,9 @@ void PageEncoder::Scratch::put_heights(const PageHead& head) {
 bool PageEncoder::Scratch::gives_errors_of(const Page& given, ErrorForm form, const CodeDistance& distance) {
   errors_of.imply(form, whole_square, page);
   for (std::size_t i = 0; i < given.errors.size(); ++i) {
-    if (!page.is_implied(i)) continue;
+    if (!page.has_distance(i)) continue;
     // The same as error_code(metres) == code, without the search.
-    const double metres = distance.metres(page.implied_distance(i));
+    const double metres = distance.metres(page.distance_of(i));
     const ErrorCode code = given.errors[i];
     if (!(metres <= error_of(code)) || (code > 0 && metres <= error_of(static_cast<ErrorCode>(code - 1)))) return false;
   }
@@ -162,8 +161,10 @@ bool PageEncoder::Scratch::dense_errors_follow(const Page& given, const CodeDist
     if (!given.is_own(p)) return;
     const auto at = static_cast<std::int32_t>(page.in_square(i));
     std::int16_t& error = dense.errors.numbers[detail::SortedSquare::index_of(at % kPageSide, at / kPageSide)];
-    if (page.is_implied(i)) {
+    if (page.has_distance(i)) {
       all_follow = all_follow && error == page.eighths[i];
+    } else if (!distance.is_whole()) {
+      error = coded(given.errors[i]);
     } else {
       const std::int32_t stored_error = distance.eighths(error_of(given.errors[i]));
       all_follow = all_follow && stored_error <= kMost;
@@ -171,11 +172,6 @@ bool PageEncoder::Scratch::dense_errors_follow(const Page& given, const CodeDist
     }
   });
   return all_follow;
-}
-
-bool PageEncoder::Scratch::put_dense_errors(const Page& given, const CodeDistance& distance) {
-  if (!dense_errors_follow(given, distance)) return false;
-  return dense_errors.of(page).put(dense.numbers, dense.errors, errors);
 }
 
 bool PageEncoder::Scratch::is_exact(const Page& given) const {
@@ -194,8 +190,9 @@ ErrorForm PageEncoder::Scratch::find_implied(const Page& given, const PageHead& 
     if (head.coding == Coding::whole && is_narrow) {
       copy_whole(head.width);
       if (fits(ErrorForm::whole)) {
-        const bool may_be_dense = distance.is_whole() && head.width == 2 && std::abs(head.base) <= kLargestDenseBase;
-        return may_be_dense && put_dense_errors(given, distance) ? ErrorForm::dense : ErrorForm::whole;
+        const bool may_be_dense = head.width == 2 && std::abs(head.base) <= kLargestDenseBase;
+        if (!may_be_dense || !dense_errors_follow(given, distance)) return ErrorForm::whole;
+        return distance.is_whole() ? ErrorForm::dense : ErrorForm::dense_and_codes;
       }
     } else if (is_exact(given) && fits(ErrorForm::exact)) {
       return ErrorForm::exact;
@@ -220,9 +217,11 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   if (!page.children.empty()) put_children(page.children, s.out);
   s.put_heights(head);
   head.errors = s.find_implied(page, head, is_narrow, distance);
-  if (head.errors != ErrorForm::dense) {
-    s.errors.clear();
-    s.stored.put(page.errors, s.page, distance, kErrorsFrom, s.out);
+  s.stored.list(s.page, head.errors);
+  if (head.errors >= ErrorForm::dense) {
+    s.stored.put(s.dense, s.eighths_as_codes.in(distance), s.errors);
+  } else {
+    s.stored.put(page.errors, s.page, distance, s.errors);
   }
   const auto flag = [&](bool is_set, unsigned which) { head.flags |= is_set ? which : 0; };
   flag(!page.valid.empty(), kHasVoids);
@@ -244,8 +243,7 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
 PageEncoder::Parts PageEncoder::parts() const {
   const Scratch& s = *scratch_;
   const auto bits = [](const std::vector<std::byte>& bytes) { return 8 * static_cast<double>(bytes.size()); };
-  return {bits(s.heights), bits(s.errors) + s.out.bits(kErrorsFrom, kChildrenFrom), s.out.bits(kVoidsFrom, kErrorsFrom),
-          s.out.bits(kChildrenFrom, kContexts)};
+  return {bits(s.heights), bits(s.errors), s.out.bits(kVoidsFrom, kChildrenFrom), s.out.bits(kChildrenFrom, kContexts)};
 }
 
 }  // namespace talus

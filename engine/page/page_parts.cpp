@@ -34,20 +34,20 @@ void ErrorsOfHeights::imply(ErrorForm form, const std::vector<std::int32_t>& nar
   place.from_square(distances, page.distances);
 }
 
-const StoredEighths& DenseErrors::of(const Page& page) {
-  const SquareBits present = present_samples(page.grid);
-  if (page.valid.empty() && page.grid.size() == kSquare) {
-    if (!whole_) whole_.emplace(present, present);
-    return *whole_;
+CodesOfEighths EighthsAsCodes::in(const CodeDistance& distance) {
+  if (distance.is_whole()) return nullptr;
+  if (codes_ == nullptr || !(distance == distance_)) {
+    const auto made = std::make_unique<std::array<ErrorCode, 1 << 15>>();
+    ErrorCode code = 0;
+    for (std::size_t i = 0; i < made->size(); ++i) {
+      const double metres = distance.metres(static_cast<double>(i) / 8);
+      while (error_of(code) < metres) ++code;
+      (*made)[i] = code;
+    }
+    codes_ = std::make_unique<const std::array<ErrorCode, 1 << 15>>(*made);
+    distance_ = distance;
   }
-  const SquareBits data = data_samples(page);
-  const auto is_same = [](const SquareBits& a, const SquareBits& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
-  if (!other_ || !is_same(present, present_) || !is_same(data, data_)) {
-    other_.emplace(present, data);
-    present_ = present;
-    data_ = data;
-  }
-  return *other_;
+  return codes_.get();
 }
 
 void PageWorkspace::mark_needed(const Page& of) {

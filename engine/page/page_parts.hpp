@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -11,7 +12,6 @@
 #include <vector>
 
 #include "engine/dense/dense_numbers.hpp"
-#include "engine/dense/stored_eighths.hpp"
 #include "engine/page/number_coder.hpp"
 #include "engine/page/page.hpp"
 #include "engine/page/page_errors.hpp"
@@ -22,7 +22,7 @@
 namespace talus {
 
 inline constexpr std::uint8_t kPageVersion = 3;
-inline constexpr std::size_t kPageHead = 22;
+inline constexpr std::size_t kPageHead = 24;
 inline constexpr std::size_t kChildrenOfPage = static_cast<std::size_t>(kChildrenAcross) * kChildrenAcross;
 
 enum PageFlag : std::uint8_t {
@@ -33,9 +33,6 @@ enum PageFlag : std::uint8_t {
   kDropsHeights = 16,
   kAllPageFlags = 31
 };
-
-/// How a page has its errors: which are implied, in which arithmetic, and how the others are stored.
-enum class ErrorForm : std::uint8_t { none = 0, finest = 1, whole = 2, exact = 3, dense = 4 };
 
 /// The first bytes of a page.
 struct PageHead {
@@ -48,14 +45,12 @@ struct PageHead {
 
   [[nodiscard]] bool has(PageFlag flag) const { return (flags & flag) != 0; }
   /// Whether a sequence of numbers follows.
-  [[nodiscard]] bool has_numbers() const {
-    return errors != ErrorForm::dense || (flags & (kHasVoids | kHasCovers | kHasChildren)) != 0;
-  }
+  [[nodiscard]] bool has_numbers() const { return (flags & (kHasVoids | kHasCovers | kHasChildren)) != 0; }
 };
 
 // Contexts of the parts of a page in its sequence of numbers.
 inline constexpr int kVoidsFrom = 0, kCoversFrom = kVoidsFrom + kVoidContexts,
-                     kErrorsFrom = kCoversFrom + kCoverContexts, kChildrenFrom = kErrorsFrom + kErrorContexts;
+                     kChildrenFrom = kCoversFrom + kCoverContexts;
 static_assert(kChildrenFrom + 5 <= kContexts);
 
 /// Numbers closer to the base than this: distances and slopes fit in 32 bits in eighths.
@@ -109,15 +104,15 @@ struct ErrorsOfHeights {
   void imply(ErrorForm form, const std::vector<std::int32_t>& narrow, Page& page);
 };
 
-/// The stored errors of dense pages, by the samples that a page has.
-class DenseErrors {
+/// The codes of errors in eighths, in databases whose errors count as codes.
+class EighthsAsCodes {
  public:
-  /// Valid until the next call.
-  [[nodiscard]] const StoredEighths& of(const Page& page);
+  /// Null if errors count in eighths. Valid until the next call.
+  [[nodiscard]] CodesOfEighths in(const CodeDistance& distance);
 
  private:
-  std::optional<StoredEighths> whole_, other_;
-  SquareBits present_{}, data_{};  ///< of other_
+  std::unique_ptr<std::remove_pointer_t<CodesOfEighths>> codes_;
+  CodeDistance distance_;
 };
 
 /// What writing and reading both work in.
@@ -134,7 +129,7 @@ struct PageWorkspace {
   std::vector<std::int32_t> whole_square;  ///< for errors of whole numbers
   ErrorsOfHeights errors_of;
   StoredErrors stored;
-  DenseErrors dense_errors;
+  EighthsAsCodes eighths_as_codes;
   detail::SortedSquare heights_in_eighths;
 
   /// Marks in `needed` the samples whose heights are stored: valid ones, and corners of triangles with data, that are

@@ -1,50 +1,55 @@
 #pragma once
-// Codes of the errors that a page's heights do not imply. Each code is stored as its difference from a lower bound that
-// follows from the page.
+// Errors of a page that do not follow from its heights, as bytes.
+//
+// A saturated error is at least that of each of its children and, beside data, the distance of the vertex from the
+// middle of its ends. Many stored errors are exactly the largest of these. What they are more is a Rice code; side
+// midpoints and centres of each spacing have their own parameter, and perhaps a flag a vertex that says whether it is
+// more at all (docs/format/v3.md, 7.2). No vertex waits for another one of its spacing and kind.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
-#include "engine/page/number_coder.hpp"
-#include "engine/page/page_codec.hpp"
+#include "engine/dense/square_bits.hpp"
+#include "engine/page/page.hpp"
 
 namespace talus {
 
-/// One for side midpoints and one for centres, of spacings 1, 2, 4 and more, each with lower bound 0 and above 0.
-inline constexpr int kErrorContexts = 16;
+/// How a page has its errors: which are implied, in which arithmetic, and what the others are.
+enum class ErrorForm : std::uint8_t { none = 0, finest = 1, whole = 2, exact = 3, dense = 4, dense_and_codes = 5 };
 
-/// The lower bound of a vertex's error is the larger of two: the distance of its sample from the middle of its side or
-/// diagonal, if the page has heights, and its children's errors. Children come first: the order is finest level first,
-/// side midpoints before centres, row by row.
+/// The vertices of pages whose errors are stored, and their bytes.
 class StoredErrors {
  public:
-  /// Writes the codes `all` of own vertices, and copies them to `page`, which is as get() expects it: its errors are 0.
-  void put(const std::vector<ErrorCode>& all, Page& page, const CodeDistance& distance, int context, NumberWriter& out);
-  /// returns  false if a number is too large for a code
-  [[nodiscard]] bool get(Page& page, const CodeDistance& distance, int context, NumberReader& in);
+  StoredErrors();
+  ~StoredErrors();
+  StoredErrors(StoredErrors&&) noexcept;
+  StoredErrors& operator=(StoredErrors&&) noexcept;
+
+  /// Lists the vertices of a page in this form. The page has its grid and voids. Other calls are for this page.
+  void list(const Page& page, ErrorForm form);
+  [[nodiscard]] std::size_t count() const;
+  /// Where in the square of a dense page they are.
+  void places(std::vector<std::uint16_t>& in_square) const;
+
+  /// Appends the errors `all` to `out`, and copies them to the page, which is as get() expects it.
+  void put(const std::vector<ErrorCode>& all, Page& page, const CodeDistance& distance, std::vector<std::byte>& out);
+  /// The same for a dense page: the errors are in the square, as eighths or as coded(code).
+  void put(DenseSquares& squares, CodesOfEighths codes, std::vector<std::byte>& out);
+
+  /// Reads what put() wrote.
+  ///
+  /// page     has the heights, unless it drops some, and the errors that follow from them; codes are 0
+  /// returns  whether these are such bytes, and all of them
+  [[nodiscard]] bool get(std::span<const std::byte> bytes, Page& page, const CodeDistance& distance) const;
+  [[nodiscard]] bool get(std::span<const std::byte> bytes, DenseSquares& squares, CodesOfEighths codes) const;
 
  private:
-  struct Vertex {
-    std::uint32_t index;
-    std::int16_t col, row;  ///< in the page's grid
-    std::int16_t spacing;   ///< in spacings of the band; 0: a corner that is coarser than all levels of the page
-    std::uint8_t kind;      ///< context of the number
-  };
-  /// Page indices of the ends of a vertex's side or diagonal, and of its children, as far as they are in the page.
-  struct Around {
-    bool has_ends = false;
-    std::array<std::size_t, 2> ends{};
-    std::array<std::size_t, 4> below{};
-    std::size_t count = 0;
-  };
-  [[nodiscard]] static Around around(const Page& page, const Vertex& v);
-  void list(const Page& page);
-  [[nodiscard]] ErrorCode at_least(const Page& page, const Vertex& v, const CodeDistance& distance) const;
-
-  std::vector<Vertex> vertices_;
-  std::array<std::int32_t, 6> listed_for_{-1};  ///< vertices_ is listed once for pages of one shape
+  struct Lists;
+  std::unique_ptr<Lists> lists_;
 };
 
 }  // namespace talus

@@ -5,6 +5,7 @@
 
 #include "engine/machine/fail.hpp"
 #include "engine/machine/parallel.hpp"
+#include "engine/quadtree/unused_points.hpp"
 
 namespace talus::detail {
 namespace {
@@ -14,28 +15,6 @@ constexpr bool is_counter_clockwise(const Triangle& t) {
   const std::int64_t lc = t.left.col - t.apex.col, lr = t.left.row - t.apex.row;
   const std::int64_t rc = t.right.col - t.apex.col, rr = t.right.row - t.apex.row;
   return lr * rc - lc * rr > 0;
-}
-
-/// Removes the points that no triangle uses.
-void drop_unused(Mesh& mesh) {
-  std::vector<std::uint8_t> used(mesh.points.size(), 0);
-  for (const auto& t : mesh.triangles) {
-    for (const std::uint32_t v : t) used[v] = 1;
-  }
-  if (std::find(used.begin(), used.end(), 0) == used.end()) return;
-  Array<std::uint32_t> number(used.size());  // unset
-  std::uint32_t next = 0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used[i] == 0) continue;
-    mesh.points[next] = mesh.points[i];
-    mesh.heights[next] = mesh.heights[i];
-    number[i] = next++;
-  }
-  mesh.points.resize(next);
-  mesh.heights.resize(next);
-  for (auto& t : mesh.triangles) {
-    for (std::uint32_t& v : t) v = number[v];
-  }
 }
 
 }  // namespace
@@ -118,7 +97,7 @@ void begin_mesh(const RestrictedQuadtree& quadtree, Mesh& mesh) {
 void finish_mesh(const RestrictedQuadtree& quadtree, Mesh& mesh) {
   // Without voids, every vertex of a region with an area is a corner of a triangle.
   const bool reaches_out = !(mesh.region == quadtree.vertices.region());
-  if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) drop_unused(mesh);
+  if (!quadtree.covers.empty() || mesh.triangles.empty() || reaches_out) remove_unused_points(quadtree, mesh);
 }
 
 int threads_for(std::size_t vertices, int threads) {

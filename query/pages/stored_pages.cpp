@@ -91,7 +91,7 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
             what);
   };
   if (!page) corrupt("missing");
-  const std::uint64_t bytes = page->content.size() + kPagePrefixBytes;
+  const std::uint64_t bytes = page->content.size() + kPagePrefixBytes + (id.band == 1 ? kTileDirectoryBytes : 0);
   ++cost.pages_read;
   cost.bytes_read += bytes;
   if (BandCost* band = band_in(cost, id)) ++band->pages_read, band->bytes_read += bytes;

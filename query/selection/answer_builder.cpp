@@ -4,10 +4,33 @@
 #include <bit>
 
 #include "engine/dense/kernels.hpp"
+#include "engine/machine/cpu.hpp"
 #include "engine/machine/parallel.hpp"
 #include "query/pages/stopwatch.hpp"
 
 namespace talus {
+namespace {
+
+/// Writes the heights of a square where their vertices are among those of the mask.
+TALUS_INLINE void write_square(const SquareOfAnswer& square, const HeightStep& step, const VertexMask& vertices,
+                               std::span<double> heights) {
+  const std::int16_t* from = square.numbers;
+  for (std::int32_t row = 0; row < kPageSide; ++row) {
+    const auto& bits = square.bits[static_cast<std::size_t>(row)];
+    if ((bits[0] | bits[1]) == 0) continue;
+    const int col = bits[0] != 0 ? std::countr_zero(bits[0]) : 64 + std::countr_zero(bits[1]);
+    const int count = std::popcount(bits[0]) + std::popcount(bits[1]);
+    double* to = &heights[vertices.rank({square.first.col + col, square.first.row + row})];
+    for (int i = 0; i < count; ++i) to[i] = step.value(static_cast<double>(square.base + from[i]));
+    from += count;
+  }
+}
+TALUS_POPCNT void write_square_popcnt(const SquareOfAnswer& square, const HeightStep& step, const VertexMask& vertices,
+                                      std::span<double> heights) {
+  write_square(square, step, vertices, heights);
+}
+
+}  // namespace
 
 void AnswerBuilder::take(const Page& page, std::span<const PageSample> samples) {
   if (samples.empty()) return;
@@ -72,18 +95,8 @@ RestrictedQuadtree AnswerBuilder::quadtree(GridRect region, VertexMask vertices)
 
 void AnswerBuilder::write_squares(const VertexMask& vertices, std::span<double> heights) const {
   const HeightStep& step = pages_.manifest().description.step;
-  for (const OfSquare& square : squares_found_) {
-    const std::int16_t* from = square.numbers;
-    for (std::int32_t row = 0; row < kPageSide; ++row) {
-      const auto& bits = square.bits[static_cast<std::size_t>(row)];
-      if ((bits[0] | bits[1]) == 0) continue;
-      const int col = bits[0] != 0 ? std::countr_zero(bits[0]) : 64 + std::countr_zero(bits[1]);
-      const int count = std::popcount(bits[0]) + std::popcount(bits[1]);
-      double* to = &heights[vertices.rank({square.first.col + col, square.first.row + row})];
-      for (int i = 0; i < count; ++i) to[i] = step.value(static_cast<double>(square.base + from[i]));
-      from += count;
-    }
-  }
+  const auto write = has_popcnt() ? write_square_popcnt : write_square;
+  for (const SquareOfAnswer& square : squares_found_) write(square, step, vertices, heights);
 }
 
 void AnswerBuilder::write_pages(const VertexMask& vertices, RestrictedQuadtree& answer) const {

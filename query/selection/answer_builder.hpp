@@ -17,6 +17,14 @@ struct PageSample {
   std::uint16_t col, row;
 };
 
+/// The vertices of an answer in the square of a dense page.
+struct SquareOfAnswer {
+  GridPoint first;    ///< of the square
+  std::int64_t base;  ///< heights are more than the numbers by this
+  SquareBits bits;
+  const std::int16_t* numbers;  ///< row by row
+};
+
 /// Collects vertices page by page, then makes a quadtree of them.
 class AnswerBuilder {
  public:
@@ -57,13 +65,6 @@ class AnswerBuilder {
     std::pmr::vector<std::uint8_t> covers;  ///< empty: all 15
   };
 
-  /// The vertices of a square.
-  struct OfSquare {
-    GridPoint first;    ///< of the square
-    std::int64_t base;  ///< heights are more than the numbers by this
-    SquareBits bits;
-    const std::int16_t* numbers;  ///< row by row, in memory_
-  };
   void write_squares(const VertexMask& vertices, std::span<double> heights) const;
   void write_pages(const VertexMask& vertices, RestrictedQuadtree& answer) const;
 
@@ -74,7 +75,7 @@ class AnswerBuilder {
   LargePages large_;
   std::pmr::monotonic_buffer_resource memory_;
   std::vector<OfPage> pages_found_;
-  std::vector<OfSquare> squares_found_;
+  std::vector<SquareOfAnswer> squares_found_;  ///< their numbers are in memory_
 };
 
 }  // namespace talus

@@ -317,8 +317,11 @@ class RangeQuery {
     if (above_from_) {
       select(*above_from_, worker.coarser);
       remove_coarser(page, worker);
+      select_coded(page, *errors, of_square, worker);
     } else {
-      for (int level = 0; level < kBandLevels; ++level) worker.levels.take(level, found.largest_selected[level] / 8.0);
+      select_coded(page, *errors, of_square, worker);
+      for (int level = 0; level < kBandLevels; ++level)
+        worker.levels.take(level, found.largest_selected[level], pages_.distance());
       for (const GridPoint p : forced) {
         talus::insert(bits, p.col - first.col, p.row - first.row);
         if (!above_(page, page.index(p))) ++worker.forced_alone;
@@ -329,14 +332,28 @@ class RangeQuery {
 
   /// Takes what the coarser answer has out of what is selected. The largest errors of levels are then those of the
   /// rest.
-  static void remove_coarser(const Page& page, Worker& worker) {
-    for (std::size_t row = 0; row < worker.selected.size(); ++row) {
-      for (int word = 0; word < 2; ++word) worker.selected[row][word] &= ~worker.coarser[row][word];
-    }
+  void remove_coarser(const Page& page, Worker& worker) const {
+    worker.selected = without(worker.selected, worker.coarser);
     for_each_bit(worker.selected, [&](int col, int row) {
       const std::int16_t error = page.squares.front().errors.numbers[detail::SortedSquare::index_of(col, row)];
-      worker.levels.take(__builtin_ctz(static_cast<unsigned>(col | row)), error / 8.0);
+      worker.levels.take(__builtin_ctz(static_cast<unsigned>(col | row)), error, pages_.distance());
     });
+  }
+
+  /// The same for vertices of a dense page whose errors are codes.
+  void select_coded(const Page& page, const detail::SortedSquare& errors, const detail::SquarePart& part,
+                    Worker& worker) const {
+    for (const int place : page.coded) {
+      const int col = place % kPageSide, row = place / kPageSide;
+      if (col < part.first_col || col > part.last_col || row < part.first_row || row > part.last_row) continue;
+      const auto error = static_cast<ErrorCode>(-1 - errors.numbers[detail::SortedSquare::index_of(col, row)]);
+      if (error <= above_.code()) {
+        worker.absent.code = std::max(worker.absent.code, error);
+      } else if (!above_from_ || error <= above_from_->code()) {
+        talus::insert(worker.selected, col, row);
+        worker.levels.take(error, {col, row}, pages_.distance());
+      }
+    }
   }
 
   void take_selected(const Page& page, GridPoint first, Worker& worker) {

@@ -21,7 +21,7 @@ class Threshold {
 
   /// Whether sample i is an own vertex of the page with an error above the tolerance.
   [[nodiscard]] bool operator()(const Page& page, std::size_t i) const {
-    if (page.is_dense) return page.dense_error(i) > eighths_;
+    if (page.is_dense) return page.has_distance(i) ? page.dense_error(i) > eighths_ : page.code(i) > code_;
     if (page.errors[i] > code_) return true;
     if (!page.eighths.empty()) return page.eighths[i] > eighths_;
     return !page.distances.empty() && page.distances[i] > distance_;
@@ -47,12 +47,10 @@ struct LargestAbsent {
   double distance = -1;  ///< the largest exact error, in height codes; below 0: none
 
   void take(const Page& page, std::size_t i) {
-    if (page.is_dense) {
-      distance = std::max(distance, page.dense_error(i) / 8.0);
-    } else if (page.is_implied(i)) {
-      distance = std::max(distance, page.implied_distance(i));
+    if (page.has_distance(i)) {
+      distance = std::max(distance, page.distance_of(i));
     } else {
-      code = std::max(code, page.errors[i]);
+      code = std::max(code, page.code(i));
     }
   }
   /// An error, as what it counts as.
@@ -80,10 +78,10 @@ class LargestByLevel {
     const std::int32_t counted = page.counted_error(i, of);
     counted == kMostEighths ? level_of(p).take(page, i) : level_of(p).take(counted, of);
   }
-  /// An exact error in height codes of a vertex of spacing 2 to the power `height`; below 0: none.
-  void take(int height, double distance) {
+  /// The error of a vertex of spacing 2 to the power `height` in eighths of a height code; -1: none.
+  void take(int height, std::int16_t eighths, const CodeDistance& of) {
     LargestAbsent& level = levels_[std::min<std::size_t>(static_cast<std::size_t>(height), levels_.size() - 1)];
-    level.distance = std::max(level.distance, distance);
+    if (eighths >= 0) level.take(of.is_whole() ? eighths : error_code(of.metres(eighths / 8.0)), of);
   }
   void take(const LargestByLevel& others);
   [[nodiscard]] std::vector<double> metres(const StoredPages& pages) const;

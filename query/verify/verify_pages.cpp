@@ -23,8 +23,9 @@ class PageChecks {
       pages_.transaction().for_each(
           band, [&](std::uint64_t position) { stored.push_back(page_at(band, position)); },
           [&](std::uint64_t first, const Failure& f) {
-            findings_.in(page_square(parent_page(page_at(band, first))), f.what());
-            for (std::uint64_t i = 0; i < kShelfPages; ++i) here[first + i].is_readable = false;
+            const std::uint64_t pages = band == 0 ? kTilePages : 1;
+            if (band == 0) findings_.in(page_square(parent_page(page_at(band, first))), f.what());
+            for (std::uint64_t i = 0; i < pages; ++i) here[first + i].is_readable = false;
           });
       for (const PageId id : stored) visit(id, here);
       for (const auto& [position, page] : below_) {
@@ -67,7 +68,7 @@ class PageChecks {
     check_own(*found.page);
     check_against_above(*found.page);
     checked.entry = with_children(*found.page);
-    if (found.page->is_dense) find_largest(*found.page, checked);
+    if (found.page->is_dense && pages_.distance().is_whole()) find_largest(*found.page, checked);
     checked.entry.generation = found.generation;
   }
 

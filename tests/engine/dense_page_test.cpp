@@ -70,9 +70,10 @@ void expect_as_given(Made& made) {
       ASSERT_EQ(page.dense_error(i), -1) << name_of(p);
       return;
     }
-    const auto at = static_cast<int>(page.in_square(i));
-    if (has(implied, at % 128, at / 128)) {
-      ++followed;
+    const bool follows = has(implied, page.in_square(i));
+    followed += follows ? 1 : 0;
+    ASSERT_TRUE(!follows || page.has_distance(i)) << name_of(p);
+    if (follows || !made.distance.is_whole()) {
       ASSERT_EQ(page.error(i, made.distance), made.given.errors[i]) << name_of(p);
     } else {
       ASSERT_EQ(page.dense_error(i), eighths_above(made.given.errors[i], made.distance)) << name_of(p);
@@ -118,10 +119,35 @@ TEST(DensePage, InFeetRoundsStoredErrorsUpToEighths) {
   expect_as_given(made);
 }
 
+TEST(DensePage, OfWholeNumbersAmongFloatsHasCodesWhereErrorsDoNotFollow) {
+  for (const HeightStep& step : {HeightStep{}, HeightStep{0.3048, 1, 0, false}, HeightStep{1, 8, 0, false}}) {
+    HeightStep floats = step;
+    floats.integer = false;
+    for (const PageId id : {PageId{0, 0, 0}, {0, 1, 1}}) {
+      const Terrain ground = whole(fractal(150, 140, 3));
+      for (const Terrain& terrain : {ground, random_voids(ground, 0.01, 3), void_blobs(ground, 4, 3)}) {
+        Made made(terrain, id, floats);
+        expect_as_given(made);
+        EXPECT_EQ(made.page.coded.empty(), false);
+        std::size_t codes = 0;
+        for (std::size_t i = 0; i < made.page.grid.size(); ++i) {
+          const bool is_listed =
+              std::count(made.page.coded.begin(), made.page.coded.end(), made.page.in_square(i)) == 1;
+          if (made.page.dense_error(i) != -1) {
+            ASSERT_EQ(is_listed, !made.page.has_distance(i)) << i;
+          }
+          codes += is_listed ? 1 : 0;
+        }
+        EXPECT_EQ(codes, made.page.coded.size());
+      }
+    }
+  }
+}
+
 TEST(DensePage, IsMadeOnlyWhereSixteenBitsHoldEverything) {
   const auto is_dense = [](Made&& made) { return made.decoded().is_dense; };
   EXPECT_TRUE(is_dense(Made(whole(fractal(128, 128, 1)), {0, 0, 0})));
-  EXPECT_FALSE(is_dense(Made(whole(fractal(128, 128, 1)), {0, 0, 0}, {1, 1, 0, false}))) << "codes are not whole";
+  EXPECT_TRUE(is_dense(Made(whole(fractal(128, 128, 1)), {0, 0, 0}, {1, 1, 0, false}))) << "heights are whole";
   EXPECT_FALSE(is_dense(Made(rounded(fractal(128, 128, 1), 10), {0, 0, 0}))) << "heights are not whole";
   EXPECT_FALSE(is_dense(Made(whole(noise(128, 128, 1, 0, 66000)), {0, 0, 0}))) << "a range of more than 16 bits";
   EXPECT_FALSE(is_dense(Made(whole(noise(128, 128, 1, 0, 20000)), {0, 0, 0}))) << "errors of more than 16 bits";
@@ -130,28 +156,30 @@ TEST(DensePage, IsMadeOnlyWhereSixteenBitsHoldEverything) {
   coarse.given.children.resize(64);
   EXPECT_FALSE(is_dense(std::move(coarse))) << "a page of a coarser band";
   Made wrong(whole(fractal(128, 128, 1)), {0, 0, 0});
-  wrong.given.errors[wrong.given.index(4, 4)] = 0;  // below those of vertices that depend on it
-  EXPECT_FALSE(is_dense(std::move(wrong))) << "an impossible error";
+  wrong.given.errors[wrong.given.index(60, 60)] = 0;  // below those of vertices that depend on it
+  EXPECT_FALSE(is_dense(std::move(wrong))) << "an error that does not follow from heights";
 }
 
 TEST(DensePage, WithAnyErrorsThatAreStoredComesBackAsGiven) {
   // Such a page is written in another form where the dense one would change it.
-  const Made made(whole(fractal(128, 128, 7)), {0, 0, 0});
-  Page other = made.given;
-  Random random(5);
-  for (int i = 0; i < 50; ++i) {
-    const std::size_t at = static_cast<std::size_t>(random.between(0, 16383));
-    if (!other.is_own(other.grid.at(static_cast<int>(at % 128), static_cast<int>(at / 128)))) continue;
-    other.errors[at] = static_cast<ErrorCode>(random.between(0, kAlwaysSelected));
-    PageDecoder decoder;
-    const Page& back =
-        decoder.decode(other.id, made.field.extent, other.bands, made.distance, encode(other, made.distance));
-    for (std::size_t k = 0; k < other.errors.size(); ++k) {
-      if (!other.is_own(other.grid.at(static_cast<int>(k % 128), static_cast<int>(k / 128)))) continue;
-      if (back.is_dense && back.error(k, made.distance) != other.errors[k]) {
-        ASSERT_EQ(back.dense_error(k), eighths_above(other.errors[k], made.distance)) << k;
-      } else {
-        ASSERT_EQ(back.error(k, made.distance), other.errors[k]) << k;
+  for (const bool integer : {true, false}) {
+    const Made made(whole(fractal(128, 128, 7)), {0, 0, 0}, {1, 1, 0, integer});
+    Page other = made.given;
+    Random random(5);
+    for (int i = 0; i < 50; ++i) {
+      const std::size_t at = static_cast<std::size_t>(random.between(0, 16383));
+      if (!other.is_own(other.grid.at(static_cast<int>(at % 128), static_cast<int>(at / 128)))) continue;
+      other.errors[at] = static_cast<ErrorCode>(random.between(0, kAlwaysSelected));
+      PageDecoder decoder;
+      const Page& back =
+          decoder.decode(other.id, made.field.extent, other.bands, made.distance, encode(other, made.distance));
+      for (std::size_t k = 0; k < other.errors.size(); ++k) {
+        if (!other.is_own(other.grid.at(static_cast<int>(k % 128), static_cast<int>(k / 128)))) continue;
+        if (back.is_dense && integer && back.error(k, made.distance) != other.errors[k]) {
+          ASSERT_EQ(back.dense_error(k), eighths_above(other.errors[k], made.distance)) << k;
+        } else {
+          ASSERT_EQ(back.error(k, made.distance), other.errors[k]) << k;
+        }
       }
     }
   }
@@ -202,20 +230,24 @@ TEST(DensePage, TruncatedLengthenedOrForAnotherDatabaseIsRefused) {
   for (std::size_t size = 0; size < bytes.size(); size += size < 64 ? 1 : 7)
     ASSERT_TRUE(is_refused(made, std::span(bytes).first(size), made.distance)) << size;
   EXPECT_TRUE(is_refused(made, bytes, CodeDistance({1, 1, 0, false}, 1))) << "whose codes are not whole";
+  const Made floats(whole(fractal(140, 130, 6)), {0, 0, 0}, {1, 1, 0, false});
+  EXPECT_TRUE(is_refused(floats, encode(floats.given, floats.distance), made.distance)) << "whose codes are whole";
   bytes.push_back(std::byte{0});
   EXPECT_TRUE(is_refused(made, bytes, made.distance));
 }
 
 TEST(DensePage, AnyFlippedBitIsRefusedOrGivesAPage) {
-  const Made made(whole(fractal(128, 128, 6)), {0, 0, 0});
-  auto bytes = encode(made.given, made.distance);
-  std::size_t refused = 0;
-  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += bit < 8 * 80 ? 1 : 37) {
-    bytes[bit / 8] ^= std::byte{1} << (bit % 8);
-    refused += is_refused(made, bytes, made.distance) ? 1 : 0;
-    bytes[bit / 8] ^= std::byte{1} << (bit % 8);
+  for (const bool integer : {true, false}) {
+    const Made made(whole(fractal(128, 128, 6)), {0, 0, 0}, {1, 1, 0, integer});
+    auto bytes = encode(made.given, made.distance);
+    std::size_t refused = 0;
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += bit < 8 * 80 ? 1 : 37) {
+      bytes[bit / 8] ^= std::byte{1} << (bit % 8);
+      refused += is_refused(made, bytes, made.distance) ? 1 : 0;
+      bytes[bit / 8] ^= std::byte{1} << (bit % 8);
+    }
+    EXPECT_GT(refused, 64u);
   }
-  EXPECT_GT(refused, 64u);
 }
 
 TEST(DensePage, HeadsThatContradictThemselvesAreRefused) {
@@ -228,7 +260,8 @@ TEST(DensePage, HeadsThatContradictThemselvesAreRefused) {
   };
   EXPECT_TRUE(changed(1, 1)) << "decimals";
   EXPECT_TRUE(changed(2, 16)) << "heights were dropped";
-  EXPECT_TRUE(changed(3, 2)) << "errors as codes";
+  EXPECT_TRUE(changed(3, 5)) << "codes beside eighths";
+  EXPECT_TRUE(changed(3, 6)) << "a form that is unknown";
   EXPECT_TRUE(changed(6, 4)) << "wider numbers";
   EXPECT_TRUE(changed(15, 0x40)) << "a base that doubles do not hold";
   EXPECT_TRUE(changed(17, 0)) << "fewer bytes of heights";

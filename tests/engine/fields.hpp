@@ -14,7 +14,7 @@
 namespace talus::support {
 
 inline Terrain whole(Terrain terrain) {
-  for (double& v : terrain.values) v = std::nearbyint(v);
+  for (double& v : terrain.values) v = std::nearbyint(v) + 0.0;  // never -0
   return terrain;
 }
 /// As floats that are nearest to whole numbers over `per_unit`.

@@ -46,7 +46,7 @@ class Tables:
     """The named tables of the LMDB file, everything checked against its checksum."""
 
     NOSUBDIR, RDONLY, NOLOCK, NOTFOUND = 0x4000, 0x20000, 0x400000, -30798
-    NAMES = {-1: b"header", 32: b"records", 33: b"slices", **{b: b"band/%02d" % b for b in range(32)}}
+    NAMES = {-1: b"header", 0: b"tiles", **{b: b"band/%02d" % b for b in range(2, 32)}}
 
     def __init__(self, path):
         self.mdb, self.xxh = library("lmdb"), library("xxhash")
@@ -91,7 +91,7 @@ class Tables:
 
     def get(self, number, position):
         """(content, generation) of a page; None where there is none."""
-        stored = self.from_shelf(position) if number == 0 else self.value(number, position)
+        stored = self.from_tile(number, position) if number in (0, 1, 32, 33) else self.value(number, position)
         if not stored:
             return None
         require(len(stored) >= 12, "a value without its prefix")
@@ -99,18 +99,22 @@ class Tables:
         require(stored[:8] == self.checksum(number, position, generation, content), "checksum")
         return content, generation
 
-    def from_shelf(self, position):
-        shelf, place = position >> 6, position & 63
-        value = self.value(0, shelf)
+    def from_tile(self, number, position):
+        tile = position >> 6 if number == 0 else position
+        value = self.value(0, tile)
         if value is None:
             return None
-        require(len(value) >= 8 + 256, "a shelf without its directory")
-        directory = value[8 : 8 + 256]
-        require(value[:8] == self.checksum(0, shelf ^ (1 << 64) - 1, 0, directory), "checksum of a shelf's directory")
-        lengths = struct.unpack("<64I", directory)
-        require(len(value) == 8 + 256 + sum(lengths), "length of a shelf")
-        start = 8 + 256 + sum(lengths[:place])
-        return value[start : start + lengths[place]]
+        require(len(value) >= 8 + 268, "a tile without its directory")
+        directory = value[8 : 8 + 268]
+        require(value[:8] == self.checksum(0, tile ^ (1 << 64) - 1, 0, directory), "checksum of a tile's directory")
+        lengths = struct.unpack("<67I", directory)
+        require(len(value) == 8 + 268 + sum(lengths), "length of a tile")
+        part = {33: 0, 1: 1, 32: 66}.get(number)
+        if part is None:
+            x, y = (sum((position >> 2 * bit + axis & 1) << bit for bit in range(3)) for axis in (0, 1))
+            part = 2 + (7 - y if x == 0 else 7 + x if y == 0 else 15 + 7 * (y - 1) + x - 1)
+        start = 8 + 268 + sum(lengths[:part])
+        return value[start : start + lengths[part]]
 
 
 def seal_is_whole(path):
@@ -322,7 +326,7 @@ def unzigzag(z):
     return -(z + 1) // 2 if z & 1 else z // 2
 
 
-VOIDS, COVERS, ERRORS, CHILDREN = 0, 17, 19, 35  # first contexts
+VOIDS, COVERS, CHILDREN = 0, 17, 19  # first contexts
 
 
 # ---- section 6: heights ------------------------------------------------------------------------------------
@@ -521,28 +525,27 @@ class Page:
 
     def decode(self, content):
         n = self.cols * self.rows
-        version, coding, flags, form, cols, rows, width, base, heights, eighths = struct.unpack_from("<6BHqIH", content)
-        require(version == 3 and coding <= 8 and flags <= 31 and form <= 4 and width in (2, 4, 8), "page header")
+        version, coding, flags, form, cols, rows, width, base, heights, errors = struct.unpack_from("<6BHqII", content)
+        require(version == 3 and coding <= 8 and flags <= 31 and form <= 5 and width in (2, 4, 8), "page header")
         require((cols, rows) == (self.cols, self.rows), "page size")
         require(form in (0, 1, 3) or coding == 0 and width <= 4, "form of errors")
-        require(form != 4 or width == 2 and self.database.integer, "form of errors")
-        require((eighths > 0) == (form == 4), "length of the errors in eighths")
+        require(form < 4 or width == 2 and self.database.integer == (form == 4), "form of errors")
         require(bool(flags & 4) == (self.band > 0), "child entries")
-        require(22 + heights + eighths <= len(content), "parts of a page")
+        require(24 + heights + errors <= len(content), "parts of a page")
         self.coding, self.form, self.width, self.drops = coding, form, width, bool(flags & 16)
         self.errors, self.distances, self.heights = {}, {}, None
         self.offset = self.col % self.database.side, self.row % self.database.side
 
-        heights, content = content[22 : 22 + heights], content[22 + heights :]
-        eighths, rest = content[:eighths], content[eighths:]
-        numbers = Numbers(rest) if form != 4 or flags & 7 else None
+        heights, content = content[24 : 24 + heights], content[24 + heights :]
+        errors, rest = content[:errors], content[errors:]
+        numbers = Numbers(rest) if flags & 7 else None
         require(numbers or not rest, "bytes behind a page")
         self.valid = self.voids(numbers) if flags & 1 else [1] * n
         self.covers = self.all_covers(numbers, flags & 8) if flags & 2 else [15] * n
         self.below = self.children(numbers) if flags & 4 else []
         if self.drops:
             require(form == 0, "implied errors of a page that drops heights")
-            self.all_errors(numbers)
+            self.all_errors(errors)
 
         stored, places = [False] * SIDE**2, []
         for i, p in self.points():
@@ -553,65 +556,66 @@ class Page:
         self.numbers = [square[place] for place in places]
         self.heights = [height_code(signed(base + square[place]), coding) if stored[place] else 0.0 for place in places]
 
-        if form == 4:
-            self.all_eighths(eighths)
-        elif not self.drops:
-            self.all_errors(numbers)
+        if not self.drops:
+            self.all_errors(errors)
         if numbers:
             numbers.finish()
         return self
 
-    def all_errors(self, numbers):
-        for i, p in self.levels():
-            if self.is_implied(i, p):
-                self.distances[i] = self.distance(i, p)
-            else:
-                level = min(self.spacing(p).bit_length() - 1, 3)
-                kind = 12 if self.spacing(p) >= self.database.side else 4 * level + 2 * is_centre(p)
-                least = self.least(i, p)
-                above = numbers.get(ERRORS + kind + (least > 0))
-                require(above <= 4001, "an error beyond the ladder")
-                self.errors[i] = (least + above) % 4002
-
-    def all_eighths(self, content):
+    def all_errors(self, content):
         """Section 7.2."""
-        vertices = []
+        side, last = self.database.side, self.band == self.database.bands - 1
+        classes = [[] for _ in range(15 if last else 6)]
         for i, p in self.levels():
-            if self.is_implied(i, p):
+            s = self.spacing(p)
+            if s >= side:
+                classes[14].append((i, p))
+            elif self.is_implied(i, p):
                 self.distances[i] = self.distance(i, p)
             else:
-                vertices.append((i, p))
-        if not vertices:
-            return require(content == b"\0", "errors in eighths of a page without any")
-        if content == b"\x0f":  # all are the least possible ones: as if all flags were 0
-            content = bytes(3 + (len(vertices) + 7) // 8)
-        bits = bits_of(content)
-        low_bits = [number_of(bits[4 * k : 4 * k + 4]) for k in range(6)]
-        require(max(low_bits) <= 14, "low bits of errors in eighths")
-        flags, at = bits[24 : 24 + len(vertices)], 24 + len(vertices)
-        require(len(flags) == len(vertices), "too few flags of errors in eighths")
-        for flag, (i, p) in zip(flags, vertices):
-            eighths = self.least_eighths(i, p)
-            if flag == "1":
-                zeros = bits.find("1", at, at + 24) - at
-                if zeros >= 0:
-                    n = low_bits[2 * (self.spacing(p).bit_length() - 1) + is_centre(p)]
-                    number, at = zeros << n | number_of(bits[at + zeros + 1 : at + zeros + 1 + n]), at + zeros + 1 + n
+                classes[2 * (s.bit_length() - 1) + is_centre(p)].append((i, p))
+        bits, at = bits_of(content), 1
+        require(bits, "no errors")
+        modes = [15] * len(classes)
+        if bits[0] == "1":
+            modes = [number_of(bits[at + 5 * k : at + 5 * k + 5]) for k in range(len(classes))]
+            at += 5 * len(classes)
+        for mode, vertices in zip(modes, classes):
+            low_bits, has_flags = mode % 16, mode >= 16
+            require(mode == 15 or low_bits <= 14, "mode of a class")
+            flags = "0" if mode == 15 else "1"
+            flags = flags * len(vertices)
+            if has_flags:
+                flags, at = bits[at : at + len(vertices)], at + len(vertices)
+                require(len(flags) == len(vertices), "too few flags of errors")
+            for flag, (i, p) in zip(flags, vertices):
+                number = 0
+                if flag == "1":
+                    zeros = bits.find("1", at, at + 24) - at
+                    if zeros >= 0:
+                        low = bits[at + zeros + 1 : at + zeros + 1 + low_bits]
+                        number, at = zeros << low_bits | number_of(low), at + zeros + 1 + low_bits
+                    else:
+                        number, at = number_of(bits[at + 24 : at + 39]), at + 39
+                    number += has_flags
+                require(number < (32768 if self.form == 4 else 4002), "a number of an error")
+                if self.form == 4:
+                    self.distances[i] = (self.least_eighths(i, p) + number) % 32768 / 8
                 else:
-                    number, at = number_of(bits[at + 24 : at + 39]), at + 39
-                eighths += number + 1
-            require(eighths <= 32767, "an error beyond 16 bits")
-            self.distances[i] = eighths / 8
-        require(len(bits) - 8 < at <= len(bits) and "1" not in bits[at:], "bits of errors in eighths")
+                    self.errors[i] = (self.least(i, p) + number) % 4002
+        require(len(bits) - 8 < at <= len(bits) and "1" not in bits[at:], "bits of errors")
 
-    def least_eighths(self, i, p):
-        least = 0
+    def own_eighths(self, i, p):
+        """The distance from the middle of the ends in a page of form 4 or 5, in eighths."""
         a, b = (self.index(q) for q in diamond(p)[0])
         counts = spacing(p) > 1 or is_centre(p)
         if counts and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
-            least = 4 * abs(sum(signed(self.numbers[q] - self.numbers[i], 16) for q in (a, b)))
-        return max([min(least, 32767)] + [int(8 * self.distances[q]) for q in map(self.index, children_of(p))
-                                          if q is not None])
+            return min(4 * abs(sum(signed(self.numbers[q] - self.numbers[i], 16) for q in (a, b))), 32767)
+        return 0
+
+    def least_eighths(self, i, p):
+        children = [q for q in map(self.index, children_of(p)) if q is not None]
+        return max([self.own_eighths(i, p)] + [int(8 * self.distances[q]) for q in children])
 
     def error(self, i):
         """What it counts as, in metres; None where another page has it."""
@@ -720,7 +724,7 @@ class Page:
 
     def is_implied(self, i, p):
         s, centre = spacing(p), is_centre(p)
-        if s > (0, 1, 4, 4, 4)[self.form]:
+        if s > (0, 1, 4, 4, 4, 4)[self.form]:
             return False
         if s == 1 and not centre:
             ends, apexes = diamond(p)
@@ -753,7 +757,10 @@ class Page:
             return 0
         metres, code = 0.0, 0
         a, b = (self.index(q) for q in diamond(p)[0])
-        if self.heights and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
+        counts = self.form == 0 or spacing(p) > 1 or is_centre(p)
+        if self.form == 5:
+            metres = self.database.metres(self.own_eighths(i, p) / 8)
+        elif counts and self.heights and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
             metres = self.database.metres(abs(self.heights[i] - (self.heights[a] / 2 + self.heights[b] / 2)))
         for q in map(self.index, children_of(p)):
             if q in self.distances:

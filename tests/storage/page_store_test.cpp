@@ -87,13 +87,14 @@ TEST(PageStore, AgreesWithAMap) {
     for (int table = kHeaderTable; table <= kSliceTable; ++table) {
       std::vector<std::uint64_t> expected, found;
       std::uint64_t bytes = 0;
-      std::set<std::uint64_t> shelves;
+      std::set<std::uint64_t> tiles;
       for (const auto& [key, page] : pages) {
+        // The directories of all tiles count for table 1.
+        const std::uint64_t tile = key.table == 0 ? key.position / kTilePages : key.position;
+        if (table == 1 && is_of_tile(key.table) && tiles.insert(tile).second) bytes += kTileDirectoryBytes;
         if (key.table != table) continue;
         expected.push_back(key.position);
         bytes += page.size() + kPagePrefixBytes;
-        if (is_shelved(table) && shelves.insert(key.position >> kShelfShift).second)
-          bytes += kChecksumBytes + 4 * kShelfPages;  // its directory
       }
       txn.for_each(table, [&](std::uint64_t position) { found.push_back(position); });
       EXPECT_EQ(found, expected) << "table " << table << ": order, or what is there";
@@ -133,14 +134,16 @@ TEST(PageStore, TakesPositionsOutOfOrder) {
   }
 }
 
-TEST(PageStore, AShelfIsReplacedAsAWhole) {
+TEST(PageStore, ATileIsReplacedAsAWhole) {
   const TempFolder folder;
   Random random(11);
   const Bytes a = random_bytes(random, 500), b = random_bytes(random, 700);
   {
     PageWriter writer(folder / "a.talus");
     for (const std::uint64_t i : {0u, 1u, 63u, 64u}) writer.put({0, i}, a);
+    for (const int table : {1, kSliceTable, kRecordTable}) writer.put({table, 0}, a);
     writer.commit(true);
+    writer.put({kSliceTable, 0}, b, 7);
     writer.put({0, 1}, b, 7);
     writer.finish();
   }
@@ -149,9 +152,11 @@ TEST(PageStore, AShelfIsReplacedAsAWhole) {
   EXPECT_FALSE(txn.find({0, 63}).has_value());
   EXPECT_EQ(copy(*txn.find({0, 1})), b);
   EXPECT_EQ(txn.find({0, 1})->generation, 7u);
-  EXPECT_EQ(copy(*txn.find({0, 64})), a) << "another shelf";
+  EXPECT_EQ(copy(*txn.find({kSliceTable, 0})), b);
+  EXPECT_EQ(copy(*txn.find({0, 64})), a) << "another tile";
   EXPECT_TRUE(txn.has({0, 1}));
-  EXPECT_FALSE(txn.has({0, 5})) << "its shelf is there, it is not";
+  EXPECT_FALSE(txn.has({0, 5})) << "its tile is there, it is not";
+  EXPECT_FALSE(txn.has({1, 0}) || txn.has({kRecordTable, 0}));
   EXPECT_FALSE(txn.has({0, 128}));
 }
 
@@ -316,25 +321,59 @@ TEST(PageStore, ChecksumsDifferByTablePositionAndGeneration) {
   EXPECT_NE(page_checksum({kHeaderTable, 0}, 0, content), page_checksum({0, 0}, 0, content));
 }
 
-TEST(PageStore, DamageToAShelfIsCorruptOrElsewhere) {
+/// Whatever order its parts are put in, a tile has them in one order: the slice and the page of band 1 first, then the
+/// pages along its west side, those along its north side, the others, and the record.
+TEST(PageStore, ATileHasItsPartsInTheOrderInWhichTheyAreRead) {
+  const TempFolder folder;
+  const auto marked = [](std::uint8_t mark) { return Bytes(100, std::byte{mark}); };
+  {
+    PageWriter writer(folder / "a.talus");
+    writer.put({kRecordTable, 3}, marked(66));
+    for (std::uint64_t i = 64; i-- > 0;) writer.put({0, 3 << 6 | i}, marked(static_cast<std::uint8_t>(100 + i)));
+    writer.put({1, 3}, marked(1));
+    writer.put({kSliceTable, 3}, marked(0));
+    writer.finish();
+  }
+  const ReadTxn txn(PageStore::open(folder / "a.talus"));
+  const std::byte* const first = txn.find({kSliceTable, 3})->content.data();
+  const auto place = [&](PageKey key) { return (txn.find(key)->content.data() - first) / 112; };
+  EXPECT_EQ(place({1, 3}), 1);
+  // On the curve, bits of the column and of the row take turns, the column's first.
+  const auto of_page = [&](unsigned x, unsigned y) {
+    std::uint64_t at = 0;
+    for (unsigned bit = 0; bit < 3; ++bit) at |= (x >> bit & 1u) << 2 * bit | (y >> bit & 1u) << (2 * bit + 1);
+    return place({0, 3 << 6 | at});
+  };
+  for (unsigned k = 0; k < 8; ++k) {
+    EXPECT_EQ(of_page(0, 7 - k), 2 + k);
+    EXPECT_EQ(of_page(k, 0), 9 + k);
+  }
+  EXPECT_EQ(of_page(1, 1), 17);
+  EXPECT_EQ(of_page(7, 7), 65);
+  EXPECT_EQ(place({kRecordTable, 3}), 66);
+}
+
+TEST(PageStore, DamageToATileIsCorruptOrElsewhere) {
   const TempFolder folder;
   Random random(13);
   Pages pages;
-  for (std::uint64_t i = 0; i < 64; i += 3) pages[{0, i}] = random_bytes(random, 400);
+  for (const std::uint64_t i : {0, 3, 8, 10, 33, 63}) pages[{0, i}] = random_bytes(random, 400);
   write(folder / "a.talus", pages);
   const Bytes whole = read_file(folder / "a.talus");
   const Bytes& first = pages.begin()->second;
   const auto found = std::search(whole.begin(), whole.end(), first.begin(), first.end());
   ASSERT_NE(found, whole.end());
   const auto page_at = static_cast<std::size_t>(found - whole.begin());
-  const std::size_t shelf_at = page_at - kPagePrefixBytes - 4 * kShelfPages - kChecksumBytes;
-  for (std::size_t at = shelf_at; at < page_at + 400; at += 5) {
+  const std::size_t tile_at = page_at - kPagePrefixBytes - kTileDirectoryBytes - 2 * (400 + kPagePrefixBytes);
+  for (std::size_t at = tile_at; at < page_at + 400; at += 5) {
+    // Pages 10 and 8 stand before it, at 0/3 and 0/2; their own bytes do not matter to it.
+    if (at >= tile_at + kTileDirectoryBytes && at < page_at - kPagePrefixBytes) continue;
     Bytes bytes = whole;
     bytes[at] ^= std::byte{0x40};
     const fs::path file = folder / ("b" + std::to_string(at));
     write_file(file, bytes);
     const ReadTxn txn(PageStore::open(file));
-    EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({0, 0})); }), Cause::corrupt) << at - shelf_at;
+    EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({0, 0})); }), Cause::corrupt) << at - tile_at;
   }
 }
 

@@ -16,6 +16,7 @@ inline Page given_page(const Page& decoded, const CodeDistance& distance) {
   });
   page.is_dense = false;
   page.squares.clear();
+  page.coded.clear();
   page.eighths.clear();
   page.distances.clear();
   return page;

@@ -1,0 +1,191 @@
+#include "engine/quadtree/unused_points.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/machine/cpu.hpp"
+#include "engine/quadtree/grid.hpp"
+#include "engine/quadtree/leaves.hpp"
+
+namespace talus::detail {
+namespace {
+
+/// Finds whether any triangle at a point is in the mesh, without looking at the mesh. Right for quadtrees as databases
+/// have them; others may have been made by anybody.
+class TrianglesAround {
+ public:
+  explicit TrianglesAround(const RestrictedQuadtree& quadtree)
+      : mask_(quadtree.vertices), region_(mask_.region()), covers_(quadtree.covers) {}
+
+  /// The apex triangles of a vertex are all that is around it. p is no root corner.
+  [[nodiscard]] bool any(GridPoint p) const {
+    const Diamond d = diamond(p);
+    for (const GridPoint apex : d.apexes) {
+      for (const GridPoint end : d.ends) {
+        if (any_in({p, apex, end}, p)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  struct Right {
+    GridPoint corner, one, other;  ///< the right angle and the ends of the hypotenuse
+  };
+  /// Whether a triangle of the mesh lies in this one and has its corner p.
+  [[nodiscard]] bool any_in(Right t, GridPoint p) const {
+    for (;;) {
+      if (spacing(t.corner) == 1 && !is_centre(t.corner)) return is_in_mesh(t);  // a finest triangle
+      const bool is_inside = region_.contains(t.corner) && region_.contains(t.one) && region_.contains(t.other);
+      const GridPoint middle = midpoint(t.one, t.other);
+      // No triangle of the mesh crosses a side of the region.
+      if (is_inside && !mask_.contains(middle)) return is_in_mesh(t);
+      const Right first{middle, t.corner, t.one}, second{middle, t.corner, t.other};
+      if (p == t.corner) return any_in(first, p) || any_in(second, p);
+      t = p == t.one ? first : second;
+    }
+  }
+  /// Whether a triangle that is not split holds data.
+  [[nodiscard]] bool is_in_mesh(const Right& t) const {
+    if (!region_.contains(t.corner) || !region_.contains(t.one) || !region_.contains(t.other)) return false;
+    if (!mask_.contains(t.corner)) return false;
+    const Diamond d = diamond(t.corner);
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t end = 0; end < 2; ++end) {
+        const GridPoint a = d.apexes[side], b = d.ends[end];
+        if ((a == t.one && b == t.other) || (a == t.other && b == t.one))
+          return (covers_[mask_.rank(t.corner)] >> (2 * side + end) & 1) != 0;
+      }
+    }
+    return false;
+  }
+
+  const VertexMask& mask_;
+  GridRect region_;
+  std::span<const std::uint8_t> covers_;
+};
+
+std::vector<std::uint32_t> zeros_of(const std::vector<std::uint8_t>& used) {
+  std::vector<std::uint32_t> zeros;
+  for (auto at = std::find(used.begin(), used.end(), 0); at != used.end(); at = std::find(at + 1, used.end(), 0))
+    zeros.push_back(static_cast<std::uint32_t>(at - used.begin()));
+  return zeros;
+}
+
+std::vector<std::uint32_t> unused_by_triangles(const Mesh& mesh) {
+  std::vector<std::uint8_t> used(mesh.points.size(), 0);
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) used[v] = 1;
+  }
+  return zeros_of(used);
+}
+
+/// An unused point is a corner of a triangle without data: it is the vertex in its right angle, or a parent or an end
+/// of that, and that vertex has covers that say so.
+std::vector<std::uint32_t> unused_by_covers(const RestrictedQuadtree& quadtree, const Mesh& mesh) {
+  const VertexMask& mask = quadtree.vertices;
+  const TrianglesAround around(quadtree);
+  std::vector<std::uint8_t> used(mesh.points.size(), 1);
+  const auto look_at = [&](GridPoint p) {
+    if (!mask.region().contains(p) || !mask.contains(p)) return;
+    const std::uint32_t rank = mask.rank(p);
+    if (spacing(p) == kRootSpacing) {
+      const auto has_it = [&](const Corners& t) { return t[0] == rank || t[1] == rank || t[2] == rank; };
+      used[rank] = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), has_it) ? 1 : 0;
+    } else if (used[rank] != 0) {
+      used[rank] = around.any(p) ? 1 : 0;
+    }
+  };
+  const auto& covers = quadtree.covers;
+  const auto is_mixed = [](std::uint8_t c) { return c != 15; };
+  for (auto at = covers.begin(); (at = std::find_if(at, covers.end(), is_mixed)) != covers.end(); ++at) {
+    const auto i = static_cast<std::size_t>(at - covers.begin());
+    const GridPoint p = mesh.points[i];
+    look_at(p);
+    if (spacing(p) == kRootSpacing) continue;
+    const Diamond d = diamond(p);
+    for (const GridPoint q : {d.apexes[0], d.apexes[1], d.ends[0], d.ends[1]}) look_at(q);
+  }
+  return zeros_of(used);
+}
+
+constexpr std::size_t kFew = 8, kAtOnce = 4096;  ///< removed points; numbers
+
+/// Calls visit(numbers, count) for the corners of all triangles, some at once.
+template <class Visit>
+void for_each_corners(Mesh& mesh, Visit&& visit) {
+  auto* const corners = reinterpret_cast<std::uint32_t*>(mesh.triangles.data());
+  const std::size_t count = 3 * mesh.triangles.size();
+  for (std::size_t i = 0; i < count; i += kAtOnce) visit(corners + i, std::min(kAtOnce, count - i));
+}
+
+TALUS_CLONES bool has(const std::uint32_t* numbers, std::size_t count, std::uint32_t wanted) {
+  std::uint32_t found = 0;
+  for (std::size_t i = 0; i < count; ++i) found |= numbers[i] == wanted ? 1 : 0;
+  return found != 0;
+}
+
+/// Makes each number smaller by the removed ones below it, which are few.
+TALUS_CLONES void renumber(std::uint32_t* numbers, std::size_t count, const std::uint32_t* removed,
+                           std::size_t removed_count) {
+  for (std::size_t k = removed_count; k-- > 0;) {  // the largest first, so that the smaller ones stay as they are
+    const std::uint32_t gone = removed[k];
+    for (std::size_t i = 0; i < count; ++i) numbers[i] -= numbers[i] > gone ? 1 : 0;
+  }
+}
+
+/// The unused points if there are few voids and few such points; otherwise nothing.
+std::optional<std::vector<std::uint32_t>> few_unused(const RestrictedQuadtree& quadtree, Mesh& mesh) {
+  constexpr std::ptrdiff_t kMostOfVertices = 32;  // a look at what is around a vertex takes as long as at 30 triangles
+  const auto all_hold_data = std::count(quadtree.covers.begin(), quadtree.covers.end(), std::uint8_t{15});
+  const auto vertices = static_cast<std::ptrdiff_t>(mesh.points.size());
+  const bool has_few_voids = !quadtree.covers.empty() && vertices - all_hold_data <= vertices / kMostOfVertices;
+  if (!has_few_voids || mesh.triangles.empty() || !(answered(quadtree) == quadtree.vertices.region()))
+    return std::nullopt;
+  std::vector<std::uint32_t> unused = unused_by_covers(quadtree, mesh);
+  bool is_sure = unused.size() <= kFew;
+  for_each_corners(mesh, [&](const std::uint32_t* corners, std::size_t count) {
+    for (const std::uint32_t point : unused) is_sure = is_sure && !has(corners, count, point);
+  });
+  if (!is_sure) return std::nullopt;
+  return unused;
+}
+
+void remove_points(Mesh& mesh, std::span<const std::uint32_t> removed) {
+  if (removed.size() <= kFew) {
+    for_each_corners(mesh,
+                     [&](auto* corners, auto count) { renumber(corners, count, removed.data(), removed.size()); });
+  }
+  Array<std::uint32_t> number;
+  if (removed.size() > kFew) number.resize(mesh.points.size());
+  auto gone = removed.begin();
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    if (gone != removed.end() && *gone == i) {
+      ++gone;
+      continue;
+    }
+    if (!number.empty()) number[i] = next;
+    mesh.points[next] = mesh.points[i];
+    mesh.heights[next++] = mesh.heights[i];
+  }
+  mesh.points.resize(next);
+  mesh.heights.resize(next);
+  if (number.empty()) return;
+  for_each_corners(mesh, [&](auto* corners, auto count) {
+    std::transform(corners, corners + count, corners, [&](std::uint32_t v) { return number[v]; });
+  });
+}
+
+}  // namespace
+
+void remove_unused_points(const RestrictedQuadtree& quadtree, Mesh& mesh) {
+  const auto few = few_unused(quadtree, mesh);
+  const std::vector<std::uint32_t> unused = few ? *few : unused_by_triangles(mesh);
+  if (!unused.empty()) remove_points(mesh, unused);
+}
+
+}  // namespace talus::detail

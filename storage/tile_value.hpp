@@ -1,0 +1,56 @@
+#pragma once
+// LMDB's values: a page alone, or all that belongs to a tile. docs/format/v3.md has the bytes.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "storage/page_store.hpp"
+
+namespace talus {
+
+using KeyBytes = std::array<std::uint8_t, 8>;
+[[nodiscard]] KeyBytes key_bytes(std::uint64_t position);
+[[nodiscard]] std::uint64_t position_of(const void* key);
+
+/// LMDB's table and key of a page: its own, or those of its tile.
+struct ValueKey {
+  int table = 0;
+  std::uint64_t position = 0;
+  friend constexpr auto operator<=>(const ValueKey&, const ValueKey&) = default;
+};
+[[nodiscard]] constexpr ValueKey value_key(PageKey key) {
+  if (!is_of_tile(key.table)) return {key.table, key.position};
+  return {kTileTable, key.table == 0 ? key.position / kTilePages : key.position};
+}
+
+/// The stored form of a page: checksum, generation, content.
+[[nodiscard]] std::vector<std::byte> wrapped(PageKey key, std::uint32_t generation, std::span<const std::byte> content);
+/// fails  corrupt: too short, or a wrong checksum
+[[nodiscard]] StoredPage unwrapped(PageKey key, std::span<const std::byte> stored);
+
+/// What a tile has, in the order of its bytes: its slice, which coarse questions read; its page of band 1; its pages of
+/// band 0, those along its west side from the south on and then those along its north side first, because windows that
+/// end beside the tile need just them; its record.
+inline constexpr std::size_t kTileParts = kTilePages + 3;
+[[nodiscard]] std::size_t part_of(PageKey key);
+/// The pages of a table that a tile may have, and the position of page i.
+[[nodiscard]] constexpr std::size_t pages_in_tile(int table) { return table == 0 ? kTilePages : 1; }
+[[nodiscard]] constexpr std::uint64_t position_in_tile(int table, std::uint64_t tile, std::size_t i) {
+  return table == 0 ? tile * kTilePages + i : tile;
+}
+
+using TileParts = std::array<std::vector<std::byte>, kTileParts>;  ///< stored forms; empty: there is none
+/// Size of a tile's value in bytes.
+[[nodiscard]] std::size_t tile_size(const TileParts& parts);
+/// Writes a tile's value, tile_size() bytes.
+void lay_tile(std::uint64_t tile, const TileParts& parts, std::byte* to);
+/// The stored form of each part of a tile; empty: there is none.
+/// fails  corrupt
+[[nodiscard]] std::array<std::span<const std::byte>, kTileParts> parts_of_tile(std::uint64_t tile,
+                                                                               std::span<const std::byte> value);
+
+}  // namespace talus
