@@ -44,29 +44,20 @@ std::string table_name(int table) {
   if (table == kSliceTable) return "slices";
   return table == kRecordTable ? "records" : fmt::format("band/{:02}", table);
 }
-std::string stored_name(int table) { return table == kTileTable ? "tiles" : table_name(table); }
 
-void PageStore::Environment::open_tables() {
+void PageStore::Environment::open_table() {
   MDB_txn* raw = nullptr;
   check(mdb_txn_begin(env.get(), nullptr, MDB_RDONLY, &raw), "read it", file);
   TxnPtr txn(raw);
-  for (std::size_t i = 0; i < kMaxTables; ++i) {
-    if (tables[i]) continue;
-    MDB_dbi table = 0;
-    const int code = mdb_dbi_open(raw, stored_name(static_cast<int>(i) + kHeaderTable).c_str(), 0, &table);
-    if (code == MDB_NOTFOUND) continue;
-    check(code, "read a table", file);
-    tables[i] = table;
-  }
+  check(mdb_dbi_open(raw, nullptr, 0, &table), "read its table", file);
   watch_map(raw);
-  check(mdb_txn_commit(txn.release()), "read its tables", file);
+  check(mdb_txn_commit(txn.release()), "read its table", file);
 }
 
 void PageStore::Environment::watch_map(MDB_txn* txn) {
   // LMDB does not say where its map begins. A cursor's key lies in a page, and the page's header has its number.
-  MDB_dbi main = 0;
   MDB_cursor* raw = nullptr;
-  if (mdb_dbi_open(txn, nullptr, 0, &main) != MDB_SUCCESS || mdb_cursor_open(txn, main, &raw) != MDB_SUCCESS) return;
+  if (mdb_cursor_open(txn, table, &raw) != MDB_SUCCESS) return;
   const std::unique_ptr<MDB_cursor, decltype(&mdb_cursor_close)> cursor(raw, mdb_cursor_close);
   MDB_val key{}, value{};
   if (mdb_cursor_get(raw, &key, &value, MDB_FIRST) != MDB_SUCCESS) return;  // the file is empty
@@ -145,12 +136,11 @@ class OpenFiles {
     MDB_env* env = nullptr;
     check(mdb_env_create(&env), "open it", file);
     made->env.reset(env);
-    check(mdb_env_set_maxdbs(env, kMaxTables), "open it", file);
     check(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_RDONLY | MDB_NOLOCK | MDB_NOTLS | MDB_NORDAHEAD, 0),
           "open it", file);
     made->file = file;
     made->file_bytes = bytes;
-    made->open_tables();
+    made->open_table();
     return made;
   }
 

@@ -1,7 +1,6 @@
 #pragma once
 // The LMDB environment that the files of this folder share.
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -30,27 +29,19 @@ struct AbortTxn {
 };
 using TxnPtr = std::unique_ptr<MDB_txn, AbortTxn>;
 
-inline constexpr unsigned kMaxTables = 33;  ///< header, tiles, bands 1 to 31
-
 /// "header", "band/07" or "records".
 [[nodiscard]] std::string table_name(int table);
-/// LMDB's name of a table: "header", "tiles" or "band/07".
-[[nodiscard]] std::string stored_name(int table);
-
 struct PageStore::Environment {
   EnvPtr env;
-  MapGuard guard;  ///< destroyed before the map, whose addresses others may use afterwards
-  /// LMDB's handles of the tables, the header's first. All are opened at once, because two transactions that open
-  /// tables at the same time get the same slot.
-  std::array<std::optional<unsigned>, kMaxTables> tables{};
+  MapGuard guard;      ///< destroyed before the map, whose addresses others may use afterwards
+  unsigned table = 0;  ///< LMDB's handle of its only table
   std::filesystem::path file;
   std::uint64_t file_bytes = 0;
   std::pair<std::uint64_t, std::uint64_t> place;  ///< device and inode
   /// When a file that is only read was last changed before it was opened, in seconds and nanoseconds.
   std::optional<std::pair<std::int64_t, std::int64_t>> changed_before;
 
-  /// Opens the tables that exist and are not open yet.
-  void open_tables();
+  void open_table();
   /// Finds LMDB's map by any of its pages and has the guard watch it.
   void watch_map(MDB_txn* txn);
   /// Whether another program has written into a file that is only read. Costs one system call.

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -34,7 +35,7 @@ static_assert(sizeof(Tree) == 48);
 struct Meta {
   std::uint32_t magic, version;
   std::uint64_t address, map_size;
-  std::array<Tree, 2> trees;  // free pages, tables
+  std::array<Tree, 2> trees;  // free pages, values
   std::uint64_t last_page, transaction;
 };
 
@@ -118,9 +119,10 @@ class Walk {
 
   void trees(const Meta& meta) {
     used_.assign(pages_, false);
+    if (meta.trees[1].flags != 0) fail("its table has the wrong kind");
     for (const Tree& tree : meta.trees) {
       lists_free_ = &tree == &meta.trees[0];
-      walk(tree, !lists_free_);
+      walk(tree);
     }
     if (visited_ >= limit_ || !findings_.empty()) return;
     for (std::uint64_t page = 2; page < pages_; ++page) {
@@ -131,6 +133,9 @@ class Walk {
   /// Stops the walk after this many branch and leaf pages.
   void limit(std::uint64_t pages) { limit_ = pages; }
   [[nodiscard]] const std::vector<std::string>& findings() const { return findings_; }
+
+  /// Whether the file has several tables with the names of those of our files before version 3.
+  [[nodiscard]] bool is_older() const { return is_older_; }
 
   /// After trees() without a limit.
   [[nodiscard]] const std::vector<FileRange>& unused() const { return unused_; }
@@ -145,7 +150,7 @@ class Walk {
     if (first < end) unused_.push_back({first, end - first});
   }
 
-  void walk(const Tree& tree, bool holds_tables) {
+  void walk(const Tree& tree) {
     if (tree.root == kNoPage) {
       if (tree.entries != 0) fail("a tree has entries but no root");
       return;
@@ -154,10 +159,10 @@ class Walk {
       fail("the depth of a tree is impossible");
       return;
     }
-    node_page(tree.root, tree.depth, holds_tables);
+    node_page(tree.root, tree.depth);
   }
 
-  void node_page(std::uint64_t number, int depth, bool holds_tables) {
+  void node_page(std::uint64_t number, int depth) {
     if (visited_ >= limit_ || findings_.size() >= 20) return;
     if (number < 2 || number >= pages_) {
       fail(fmt::format("a pointer leads to LMDB page {} of {}", number, pages_));
@@ -194,16 +199,22 @@ class Walk {
         return;
       }
       if (!leaf) {
-        node_page(low | std::uint64_t{high} << 16 | std::uint64_t{node_flags} << 32, depth - 1, holds_tables);
+        node_page(low | std::uint64_t{high} << 16 | std::uint64_t{node_flags} << 32, depth - 1);
         continue;
       }
-      leaf_node(number, page, at + kNodeHeader + key_bytes, low | std::uint64_t{high} << 16, node_flags, holds_tables);
+      if (node_flags == kSubData) {
+        const std::string_view name(reinterpret_cast<const char*>(&page[at + kNodeHeader]), key_bytes);
+        is_older_ = is_older_ || name == "header";
+        fail(fmt::format("LMDB page {}: a table in the table", number));
+        continue;
+      }
+      leaf_node(number, page, at + kNodeHeader + key_bytes, low | std::uint64_t{high} << 16, node_flags);
     }
   }
 
   void leaf_node(std::uint64_t number, const std::vector<std::byte>& page, std::size_t at, std::uint64_t bytes,
-                 std::uint16_t flags, bool holds_tables) {
-    if (flags != 0 && flags != kBigData && flags != kSubData) {
+                 std::uint16_t flags) {
+    if (flags != 0 && flags != kBigData) {
       fail(fmt::format("LMDB page {}: the kind of a node is unknown", number));
       return;
     }
@@ -238,20 +249,7 @@ class Walk {
     }
     const std::uint64_t end = number * page_bytes_ + at + bytes;
     leave(end, end + end % 2);  // nodes begin at even places
-    if (flags == kSubData) {
-      if (!holds_tables || bytes != sizeof(Tree)) {
-        fail(fmt::format("LMDB page {}: a table is in the wrong place", number));
-        return;
-      }
-      const auto tree = load<Tree>(&page[at]);
-      if (tree.flags != 0) {
-        fail(fmt::format("LMDB page {}: a table has the wrong kind", number));
-        return;
-      }
-      walk(tree, false);
-    } else if (lists_free_) {
-      note_free(number, std::span(page).subspan(at, bytes));
-    }
+    if (lists_free_) note_free(number, std::span(page).subspan(at, bytes));
   }
 
   /// Marks pages as used; false if one was used before.
@@ -294,11 +292,18 @@ class Walk {
   std::vector<std::uint64_t> free_;
   std::vector<FileRange> unused_;
   bool lists_free_ = false;  // whether the present tree lists free pages
+  bool is_older_ = false;
   std::vector<std::string> findings_;
 };
 
 void refuse_findings(const Walk& walk, const std::filesystem::path& file) {
   if (walk.findings().empty()) return;
+  if (walk.is_older()) {
+    throw Failure(
+        Cause::unsupported,
+        fmt::format("{}: it is a database of an older version of Talus; ingest its rasters again", file.string()),
+        file);
+  }
   throw Failure(Cause::corrupt, fmt::format("corrupt: {}: it is not a database, or it is damaged: {}", file.string(),
                                             walk.findings().front()));
 }

@@ -26,8 +26,8 @@ inline constexpr int kHeaderTable = -1, kRecordTable = 32, kSliceTable = 33;
 /// In LMDB each large value takes whole pages of the file. So all that belongs to a tile is one value: the page of band 1
 /// at its position, its 64 pages of band 0 (their positions begin with the tile's), its slice and its record. Each of
 /// these is still read and checked alone.
-inline constexpr int kTileTable = 0;  ///< of these values, in LMDB
-inline constexpr std::size_t kTilePages = 64;  ///< of band 0
+inline constexpr int kTileTable = 0, kLastBandTable = 31;  ///< in LMDB, the first one is that of tiles
+inline constexpr std::size_t kTilePages = 64;              ///< of band 0
 inline constexpr std::size_t kTileDirectoryBytes = 8 + 4 * (kTilePages + 3);
 [[nodiscard]] constexpr bool is_of_tile(int table) {
   return table == 0 || table == 1 || table == kRecordTable || table == kSliceTable;

@@ -18,7 +18,7 @@ namespace talus {
 
 struct PageWriter::Impl {
   struct Value {
-    ValueKey key;
+    PageKey key;
     std::variant<std::vector<std::byte>, TileParts> content;  ///< a page, or all that a tile has
 
     [[nodiscard]] std::size_t size() const {
@@ -46,7 +46,7 @@ struct PageWriter::Impl {
 
   void put(PageKey key, std::vector<std::byte> stored) {
     batch_bytes += stored.size();
-    const ValueKey at = value_key(key);
+    const PageKey at = value_key(key);
     if (!is_of_tile(key.table)) return batch.push_back({at, std::move(stored)});
     const auto [tile, is_new] = tiles.try_emplace(at.position, batch.size());
     if (is_new) batch.push_back({at, TileParts{}});
@@ -69,16 +69,14 @@ struct PageWriter::Impl {
     MDB_txn* raw = nullptr;
     check(mdb_txn_begin(env(), nullptr, 0, &raw), "write it", file());
     TxnPtr txn(raw);
+    MDB_dbi table = 0;
+    check(mdb_dbi_open(raw, nullptr, 0, &table), "write it", file());
     for (const Value& value : batch) {
-      MDB_dbi dbi = 0;
-      int code = mdb_dbi_open(raw, stored_name(value.key.table).c_str(), MDB_CREATE, &dbi);
       MDB_val room{value.size(), nullptr};  // LMDB returns the position in the file, so pages are copied once
-      if (code == MDB_SUCCESS) {
-        KeyBytes key = key_bytes(value.key.position);
-        MDB_val at{key.size(), key.data()};
-        code = mdb_put(raw, dbi, &at, &room, MDB_APPEND | MDB_RESERVE);
-        if (code == MDB_KEYEXIST) code = mdb_put(raw, dbi, &at, &room, MDB_RESERVE);  // not the largest key: insert
-      }
+      KeyBytes key = key_bytes(value.key);
+      MDB_val at{key.size(), key.data()};
+      int code = mdb_put(raw, table, &at, &room, MDB_APPEND | MDB_RESERVE);
+      if (code == MDB_KEYEXIST) code = mdb_put(raw, table, &at, &room, MDB_RESERVE);  // not the largest key: insert
       if (code == MDB_MAP_FULL) return false;
       check(code, "write a page", file());
       value.lay(static_cast<std::byte*>(room.mv_data));
@@ -99,7 +97,6 @@ PageWriter::PageWriter(std::filesystem::path file) : impl_(std::make_unique<Impl
   MDB_env* env = nullptr;
   check(mdb_env_create(&env), "create it", made.file);
   made.env.reset(env);
-  check(mdb_env_set_maxdbs(env, kMaxTables), "create it", made.file);
   std::error_code ignored;
   for (const auto there = std::filesystem::file_size(made.file, ignored); !ignored && impl_->map_bytes < 2 * there;)
     impl_->map_bytes *= 2;
@@ -125,7 +122,7 @@ ReadTxn PageWriter::view() {
 }
 
 ReadTxn PageWriter::committed() {
-  impl_->environment->open_tables();
+  impl_->environment->open_table();
   return ReadTxn(PageStore(impl_->environment));
 }
 

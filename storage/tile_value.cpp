@@ -39,6 +39,11 @@ constexpr Order kOrder;
 void put_big_endian(std::uint64_t value, std::byte* to) {
   for (std::size_t i = 0; i < 8; ++i) to[i] = static_cast<std::byte>(value >> (56 - 8 * i) & 0xff);
 }
+std::uint64_t get_big_endian(const std::byte* from) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < 8; ++i) value = value << 8 | std::to_integer<std::uint64_t>(from[i]);
+  return value;
+}
 void put_little_endian(std::uint32_t value, std::byte* to) {
   for (std::size_t i = 0; i < 4; ++i) to[i] = static_cast<std::byte>(value >> (8 * i) & 0xff);
 }
@@ -57,17 +62,17 @@ Failure corrupt(PageKey key, const char* what) {
 
 }  // namespace
 
-KeyBytes key_bytes(std::uint64_t position) {
-  KeyBytes bytes{};
-  for (std::size_t i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(position >> (56 - 8 * i));
+KeyBytes key_bytes(PageKey value) {
+  KeyBytes bytes{static_cast<std::uint8_t>(value.table - kHeaderTable)};
+  for (std::size_t i = 0; i < 8; ++i) bytes[1 + i] = static_cast<std::uint8_t>(value.position >> (56 - 8 * i));
   return bytes;
 }
 
-std::uint64_t position_of(const void* key) {
-  const auto* bytes = static_cast<const std::uint8_t*>(key);
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < 8; ++i) value = value << 8 | bytes[i];
-  return value;
+std::optional<PageKey> key_from(std::span<const std::byte> bytes) {
+  if (bytes.size() != sizeof(KeyBytes)) return std::nullopt;
+  const PageKey key{std::to_integer<int>(bytes[0]) + kHeaderTable, get_big_endian(bytes.data() + 1)};
+  if (key.table > kLastBandTable || (is_of_tile(key.table) && key.table != kTileTable)) return std::nullopt;
+  return key;
 }
 
 std::vector<std::byte> wrapped(PageKey key, std::uint32_t generation, std::span<const std::byte> content) {
@@ -81,7 +86,7 @@ std::vector<std::byte> wrapped(PageKey key, std::uint32_t generation, std::span<
 StoredPage unwrapped(PageKey key, std::span<const std::byte> stored) {
   if (stored.size() < kPagePrefixBytes) throw corrupt(key, "it is shorter than its checksum");
   const StoredPage page{stored.subspan(kPagePrefixBytes), get_little_endian(stored.data() + kChecksumBytes)};
-  if (position_of(stored.data()) != page_checksum(key, page.generation, page.content))
+  if (get_big_endian(stored.data()) != page_checksum(key, page.generation, page.content))
     throw corrupt(key, "its checksum is wrong");
   return page;
 }
@@ -112,7 +117,7 @@ std::array<std::span<const std::byte>, kTileParts> parts_of_tile(std::uint64_t t
   };
   if (value.size() < kTileDirectoryBytes) throw corrupt_tile("it is shorter than its directory");
   const auto directory = value.subspan(kChecksumBytes, kDirectoryBytes);
-  if (position_of(value.data()) != page_checksum(directory_key(tile), 0, directory))
+  if (get_big_endian(value.data()) != page_checksum(directory_key(tile), 0, directory))
     throw corrupt_tile("the checksum of its directory is wrong");
   std::array<std::span<const std::byte>, kTileParts> parts;
   std::size_t at = kTileDirectoryBytes;

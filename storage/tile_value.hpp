@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,20 +13,16 @@
 
 namespace talus {
 
-using KeyBytes = std::array<std::uint8_t, 8>;
-[[nodiscard]] KeyBytes key_bytes(std::uint64_t position);
-[[nodiscard]] std::uint64_t position_of(const void* key);
-
-/// LMDB's table and key of a page: its own, or those of its tile.
-struct ValueKey {
-  int table = 0;
-  std::uint64_t position = 0;
-  friend constexpr auto operator<=>(const ValueKey&, const ValueKey&) = default;
-};
-[[nodiscard]] constexpr ValueKey value_key(PageKey key) {
-  if (!is_of_tile(key.table)) return {key.table, key.position};
+/// The key of a page's value: its own, or that of its tile, whose table is kTileTable.
+[[nodiscard]] constexpr PageKey value_key(PageKey key) {
+  if (!is_of_tile(key.table)) return key;
   return {kTileTable, key.table == 0 ? key.position / kTilePages : key.position};
 }
+/// The same as bytes: a number for the table, and the position, big endian.
+using KeyBytes = std::array<std::uint8_t, 9>;
+[[nodiscard]] KeyBytes key_bytes(PageKey value);
+/// Nothing: no value has such a key.
+[[nodiscard]] std::optional<PageKey> key_from(std::span<const std::byte> bytes);
 
 /// The stored form of a page: checksum, generation, content.
 [[nodiscard]] std::vector<std::byte> wrapped(PageKey key, std::uint32_t generation, std::span<const std::byte> content);

@@ -18,9 +18,6 @@ struct ReadTxn::Impl {
   TxnPtr txn;
 
   [[nodiscard]] const std::filesystem::path& file() const { return environment->file; }
-  [[nodiscard]] const std::optional<MDB_dbi>& table(int number) const {
-    return environment->tables.at(static_cast<std::size_t>(number - kHeaderTable));
-  }
   [[nodiscard]] Failure in_file(const Failure& f) const {
     const std::string sentence = f.what(), kind = "corrupt: ";
     return {f.cause(),
@@ -28,11 +25,10 @@ struct ReadTxn::Impl {
                                        : fmt::format("{}: {}", file().string(), sentence),
             file()};
   }
-  [[nodiscard]] std::optional<std::span<const std::byte>> value(ValueKey at) const {
-    if (!table(at.table)) return std::nullopt;
-    KeyBytes bytes = key_bytes(at.position);
+  [[nodiscard]] std::optional<std::span<const std::byte>> value(PageKey at) const {
+    KeyBytes bytes = key_bytes(at);
     MDB_val key{bytes.size(), bytes.data()}, found{};
-    const int code = mdb_get(txn.get(), *table(at.table), &key, &found);
+    const int code = mdb_get(txn.get(), environment->table, &key, &found);
     environment->require_all_bytes();
     if (code == MDB_NOTFOUND) return std::nullopt;
     check(code, "read a page", file());
@@ -44,23 +40,23 @@ struct ReadTxn::Impl {
     return is_of_tile(key.table) ? parts_of_tile(value_key(key).position, value)[part_of(key)] : value;
   }
 
-  /// visit(position, value) for each value of a table of LMDB, in order.
+  /// visit(position, value) for each value of a table, in order.
   template <class Visit>
-  void for_each_value(int number, Visit&& visit) const {
-    if (!table(number)) return;
+  void for_each_value(int table, Visit&& visit) const {
     MDB_cursor* raw = nullptr;
-    check(mdb_cursor_open(txn.get(), *table(number), &raw), "read a table", file());
+    check(mdb_cursor_open(txn.get(), environment->table, &raw), "read a table", file());
     const std::unique_ptr<MDB_cursor, decltype(&mdb_cursor_close)> cursor(raw, mdb_cursor_close);
-    MDB_val key{}, found{};
-    int code = mdb_cursor_get(raw, &key, &found, MDB_FIRST);
+    KeyBytes first = key_bytes({table, 0});
+    MDB_val key{first.size(), first.data()}, found{};
+    int code = mdb_cursor_get(raw, &key, &found, MDB_SET_RANGE);
     for (; code == MDB_SUCCESS; code = mdb_cursor_get(raw, &key, &found, MDB_NEXT)) {
       environment->require_all_bytes();
-      if (key.mv_size != sizeof(KeyBytes)) {
-        throw Failure(Cause::corrupt, fmt::format("corrupt: {}: table {} has a key of {} bytes", file().string(),
-                                                  stored_name(number), key.mv_size));
-      }
+      const auto at = key_from({static_cast<const std::byte*>(key.mv_data), key.mv_size});
+      if (!at)
+        throw Failure(Cause::corrupt, fmt::format("corrupt: {}: a key is not one of a database", file().string()));
+      if (at->table != table) return;
       try {
-        visit(position_of(key.mv_data), std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size));
+        visit(at->position, std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size));
       } catch (const Failure& f) {
         environment->require_all_bytes();
         throw f.cause() == Cause::corrupt ? in_file(f) : f;
@@ -76,11 +72,9 @@ ReadTxn::ReadTxn(const PageStore& store) : impl_(std::make_unique<Impl>()) {
   MDB_txn* txn = nullptr;
   check(mdb_txn_begin(impl_->environment->env.get(), nullptr, MDB_RDONLY, &txn), "read it", impl_->file());
   impl_->txn.reset(txn);
-  // The first use of a table changes the transaction; afterwards several threads may read.
-  for (const auto& table : impl_->environment->tables) {
-    MDB_stat ignored{};
-    if (table) check(mdb_stat(txn, *table, &ignored), "read a table", impl_->file());
-  }
+  // The first use of the table changes the transaction; afterwards several threads may read.
+  MDB_stat ignored{};
+  check(mdb_stat(txn, impl_->environment->table, &ignored), "read its table", impl_->file());
   impl_->environment->require_all_bytes();
 }
 

@@ -29,8 +29,8 @@ namespace fs = std::filesystem;
 bool is_a_database(const fs::path& file) {
   try {
     return ReadTxn(PageStore::open(file)).has({kHeaderTable, 0});
-  } catch (const Failure&) {
-    return false;
+  } catch (const Failure& f) {
+    return f.cause() == Cause::unsupported;  // of an older version
   }
 }
 

@@ -19,6 +19,7 @@ class KeptHeights {
  public:
   KeptHeights(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost) {}
 
+  [[nodiscard]] bool all_are_kept() const { return all_kept_; }
   /// Whether the height of sample i at p, an own vertex, was kept. A page may have more heights than those.
   [[nodiscard]] bool is_kept(const Page& page, std::size_t i, GridPoint p) const {
     return all_kept_ || page.error(i, pages_.distance()) > largest_dropped_ || is_near_border(p, page.extent);

@@ -46,7 +46,9 @@ class AnswerBuilder {
   void take(const Page& page, std::span<const PageSample> samples);
   /// Adds some vertices of a slice: those at `chosen`, which are grid points `at`.
   void take(const TileSlice& slice, std::span<const std::uint32_t> chosen, std::span<const GridPoint> at);
-  /// Adds the heights of many vertices of a dense page without voids and covers.
+  /// Whether the database keeps the heights of all vertices.
+  [[nodiscard]] bool all_are_kept() const { return kept_.all_are_kept(); }
+  /// Adds the heights of many vertices of a dense page without voids and covers. The database keeps all.
   ///
   /// bits  all vertices of the answer in the page's square; those of coarser bands must be added, too
   void take(const Page& page, const SquareBits& bits);

@@ -359,7 +359,7 @@ class RangeQuery {
   void take_selected(const Page& page, GridPoint first, Worker& worker) {
     watch_.add_vertices(count(worker.selected));
     insert_square(worker.selected, first, threads_ > 1, vertices_);
-    if (page.valid.empty() && page.covers.empty()) {
+    if (page.valid.empty() && page.covers.empty() && worker.found.all_are_kept()) {
       // All pages above were read before, so their vertices in this square are in the mask.
       worker.found.take(page, square_of(vertices_, first, threads_ > 1));
       return;

@@ -43,10 +43,9 @@ class MdbVal(ctypes.Structure):
 
 
 class Tables:
-    """The named tables of the LMDB file, everything checked against its checksum."""
+    """The entries of the LMDB file, everything checked against its checksum."""
 
     NOSUBDIR, RDONLY, NOLOCK, NOTFOUND = 0x4000, 0x20000, 0x400000, -30798
-    NAMES = {-1: b"header", 0: b"tiles", **{b: b"band/%02d" % b for b in range(2, 32)}}
 
     def __init__(self, path):
         self.mdb, self.xxh = library("lmdb"), library("xxhash")
@@ -54,31 +53,20 @@ class Tables:
         self.xxh.XXH3_64bits_withSeed.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_uint64]
         env, self.txn = ctypes.c_void_p(), ctypes.c_void_p()
         self.ok(self.mdb.mdb_env_create(ctypes.byref(env)))
-        self.ok(self.mdb.mdb_env_set_maxdbs(env, len(self.NAMES)))
         self.ok(self.mdb.mdb_env_open(env, str(path).encode(), self.NOSUBDIR | self.RDONLY | self.NOLOCK, 0))
         self.ok(self.mdb.mdb_txn_begin(env, None, self.RDONLY, ctypes.byref(self.txn)))
-        self.opened = {}
+        self.entries = ctypes.c_uint()
+        self.ok(self.mdb.mdb_dbi_open(self.txn, None, 0, ctypes.byref(self.entries)))
 
     @staticmethod
     def ok(code):
         require(code == 0, "LMDB says %d" % code)
 
-    def table(self, number):
-        if number not in self.opened:
-            dbi = ctypes.c_uint()
-            code = self.mdb.mdb_dbi_open(self.txn, self.NAMES[number], 0, ctypes.byref(dbi))
-            if code != self.NOTFOUND:
-                self.ok(code)
-            self.opened[number] = dbi if code == 0 else None
-        return self.opened[number]
-
-    def value(self, number, key):
-        dbi = self.table(number)
-        if dbi is None:
-            return None
-        at = MdbVal(8, ctypes.cast(ctypes.c_char_p(struct.pack(">Q", key)), ctypes.c_void_p))
+    def value(self, number, position):
+        key = struct.pack(">BQ", number + 1, position)
+        at = MdbVal(9, ctypes.cast(ctypes.c_char_p(key), ctypes.c_void_p))
         value = MdbVal()
-        code = self.mdb.mdb_get(self.txn, dbi, ctypes.byref(at), ctypes.byref(value))
+        code = self.mdb.mdb_get(self.txn, self.entries, ctypes.byref(at), ctypes.byref(value))
         if code == self.NOTFOUND:
             return None
         self.ok(code)

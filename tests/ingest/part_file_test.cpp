@@ -14,6 +14,7 @@
 #include "engine/page/manifest.hpp"
 #include "storage/page_store.hpp"
 #include "talus/failure.hpp"
+#include "tests/support/older_database.hpp"
 #include "tests/support/raster_file.hpp"
 
 namespace talus::support {
@@ -82,8 +83,17 @@ TEST(PartFile, AnExistingDatabaseIsReplacedOnlyWhenAsked) {
   EXPECT_EQ(text_of(folder / "a.talus"), "new");
 }
 
+TEST(PartFile, ADatabaseOfAnOlderVersionIsReplacedWhenAsked) {
+  const TempFolder folder;
+  write_older_database(folder / "a.talus");
+  EXPECT_EQ(refused(folder / "a.talus", false), Cause::invalid_argument);
+  EXPECT_EQ(refused(folder / "a.talus", true), std::nullopt);
+}
+
 TEST(PartFile, SomebodysOtherFileIsNeverReplaced) {
   const TempFolder folder;
+  write_older_database(folder / "data.mdb", "pictures");
+  EXPECT_EQ(refused(folder / "data.mdb", true), Cause::invalid_argument);
   write_text(folder / "dem.tif", "II*\0 a raster that is long enough to have a header");
   EXPECT_EQ(refused(folder / "dem.tif", true), Cause::invalid_argument);
   write_text(folder / "short", "x");

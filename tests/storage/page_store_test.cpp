@@ -17,6 +17,7 @@
 
 #include "storage/checksum.hpp"
 #include "talus/failure.hpp"
+#include "tests/support/older_database.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"
 
@@ -437,6 +438,20 @@ Bytes whole_file(const TempFolder& folder) {
   pages[{kHeaderTable, 0}] = random_bytes(random, 700);
   write(folder / "whole.talus", pages);
   return read_file(folder / "whole.talus");
+}
+
+/// Before version 3 a database had several tables in its file.
+TEST(PageStore, AFileWithNamedTablesIsOfAnOlderVersion) {
+  const TempFolder folder;
+  const fs::path file = folder / "a.talus";
+  write_older_database(file);
+  try {
+    static_cast<void>(PageStore::open(file));
+    FAIL() << "it was opened";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.cause(), Cause::unsupported);
+    EXPECT_NE(std::string(failure.what()).find("older version"), std::string::npos) << failure.what();
+  }
 }
 
 TEST(Structure, EveryTruncationIsCorrupt) {
