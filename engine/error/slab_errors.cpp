@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -92,6 +93,14 @@ class Shapes {
   }
 
   /// A least-squares fit to every 8th sample of every 8th row.
+  /// Planes are stored in records. Bits that hardly change a bound would take bytes.
+  static constexpr std::uint32_t kSpareBits = 0xff;
+  static float shorter(float v) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) & ~kSpareBits); }
+  /// v is at least 0.
+  static float shorter_and_no_less(float v) {
+    return shorter(std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) + kSpareBits));
+  }
+
   static void fit(const OwnSamples& samples, HeightRange range, BlockShape& shape) {
     double n = 0, x = 0, y = 0, h = 0, xx = 0, xy = 0, yy = 0, xh = 0, yh = 0;
     const double base = range.lowest + (range.highest - range.lowest) / 2;
@@ -115,9 +124,9 @@ class Shapes {
       }
       middle += (h - right * x - down * y) / n;
     }
-    shape.middle = static_cast<float>(middle);
-    shape.right = static_cast<float>(right);
-    shape.down = static_cast<float>(down);
+    shape.middle = shorter(static_cast<float>(middle));
+    shape.right = shorter(static_cast<float>(right));
+    shape.down = shorter(static_cast<float>(down));
   }
 
   void bound(const OwnSamples& samples, HeightRange range, BlockShape& shape) const {
@@ -137,8 +146,8 @@ class Shapes {
       below = std::max(below, -shape.slabs.low[i]);
       above = std::max(above, shape.slabs.high[i]);
     }
-    shape.above = above;
-    shape.below = below;
+    shape.above = shorter_and_no_less(above);
+    shape.below = shorter_and_no_less(below);
   }
 
   const HeightField& field_;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <type_traits>
 
+#include <xxhash.h>
+
 namespace talus {
 namespace {
 
@@ -87,6 +89,22 @@ std::size_t get_corner_numbers(std::span<const std::byte> bytes, std::span<T> sq
   return read;
 }
 
+template <class T>
+std::uint32_t check_of_corner_numbers(std::span<const T> square) {
+  std::array<std::uint8_t, kAcross * kAcross * sizeof(T)> bytes;  // little endian
+  std::size_t at = 0;
+  for (std::size_t row = 0; row < kAcross; ++row) {
+    for (std::size_t col = 0; col < kAcross; ++col) {
+      for (std::size_t i = 0; i < sizeof(T); ++i)
+        bytes[at++] = static_cast<std::uint8_t>(square[place_of(col, row)] >> (8 * i));
+    }
+  }
+  return static_cast<std::uint32_t>(XXH3_64bits(bytes.data(), bytes.size()));
+}
+
+template std::uint32_t check_of_corner_numbers(std::span<const std::uint16_t>);
+template std::uint32_t check_of_corner_numbers(std::span<const std::uint32_t>);
+template std::uint32_t check_of_corner_numbers(std::span<const std::uint64_t>);
 template void put_corner_numbers(std::span<const std::uint16_t>, std::vector<std::byte>&);
 template void put_corner_numbers(std::span<const std::uint32_t>, std::vector<std::byte>&);
 template void put_corner_numbers(std::span<const std::uint64_t>, std::vector<std::byte>&);

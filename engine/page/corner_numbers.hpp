@@ -2,6 +2,7 @@
 // The numbers of a page's square at multiples of 8: what DenseNumbers expects to be known.
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,10 @@ inline constexpr int kCornersAcross = kPageSide / kChildrenAcross;
 /// std::uint64_t; arithmetic wraps around.
 template <class T>
 void put_corner_numbers(std::span<const T> square, std::vector<std::byte>& out);
+
+/// A check of them, for readers that have them from elsewhere.
+template <class T>
+[[nodiscard]] std::uint32_t check_of_corner_numbers(std::span<const T> square);
 
 /// Reads them from the beginning of `bytes`.
 /// returns  the bytes that were read; 0: no such bytes

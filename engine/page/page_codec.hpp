@@ -2,6 +2,7 @@
 // Pages as bytes. docs/format has the bytes; engine/dense, stored_errors, page_voids and number_coder code the parts.
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,9 +24,11 @@ class PageEncoder {
   /// are rounded up to eighths. The same page always has the same bytes.
   ///
   /// page      has heights and errors; not in the dense form
+  /// above     whether the reader has the page above it, a page of band 1 with all its heights. Then those that both have
+  ///           are not stored again. Only for pages of band 0
   /// distance  from height codes to metres, as in decode
   /// cost      about 8 ns a sample
-  [[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance);
+  [[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance, bool above = false);
 
   /// Approximate sizes of the parts of the last page in bits. For measurements.
   struct Parts {
@@ -41,7 +44,8 @@ class PageEncoder {
 /// The same for a single page.
 [[nodiscard]] std::vector<std::byte> encode(const Page& page, const CodeDistance& distance);
 
-/// Decodes pages one after the other, reusing its memory.
+/// Decodes pages one after the other, reusing its memory. Most pages of band 0 need heights of the page above: the decoder
+/// keeps those of the last page of band 1.
 class PageDecoder {
  public:
   PageDecoder();
@@ -49,16 +53,20 @@ class PageDecoder {
   PageDecoder(PageDecoder&&) noexcept;
   PageDecoder& operator=(PageDecoder&&) noexcept;
 
+  /// The bytes of a stored page; empty: there is none.
+  using BytesOf = std::function<std::span<const std::byte>(PageId)>;
+
   /// The page, valid until the next call.
   ///
+  /// other  called for the page above, if that is needed and another one was the last
   /// fails  corrupt: bytes that cannot be a page of this id and extent. Memory never exceeds that of a page of
   ///        kPageSide² samples
   /// cost   a dense page about 1.2 ns a sample with AVX-512, 1.5 with AVX2, 4 without; others about 4 ns
   [[nodiscard]] const Page& decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
-                                   std::span<const std::byte> bytes);
+                                   std::span<const std::byte> bytes, const BytesOf& other = {});
   /// The page without errors, unchecked. If heights were dropped, it has the errors that say which.
   [[nodiscard]] const Page& decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
-                                           std::span<const std::byte> bytes);
+                                           std::span<const std::byte> bytes, const BytesOf& other = {});
 
  private:
   struct Scratch;

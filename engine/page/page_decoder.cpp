@@ -41,7 +41,28 @@ bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
 
 }  // namespace
 
+/// Heights of the last page of band 1, by the places of its square.
+struct HeightsAbove {
+  PageId id{-1, 0, 0};
+  std::vector<double> heights = std::vector<double>(kSquare);
+  SquareBits known{};
+
+  void take(const Page& page) {
+    id = page.id;
+    known = {};
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      if (!page.is_data(i) || page.is_dropped(i, p)) return;
+      const std::size_t at = page.in_square(i);
+      heights[at] = page.height(i);
+      insert(known, at);
+    });
+  }
+};
+
 struct PageDecoder::Scratch : PageWorkspace {
+  HeightsAbove above;
+  bool is_whole_page = false;  ///< a page, not yet taken by `above`
+  bool corners_differ = false;
   NumberReader in;
   PageHead head;
   std::span<const std::byte> height_bytes, error_bytes;
@@ -57,6 +78,13 @@ struct PageDecoder::Scratch : PageWorkspace {
   void get_heights();
   template <class T>
   void get_square(std::span<T> square, DenseNumbers<T>& coder);
+  /// Takes the corners of a page of band 0 from the page above. Returns the bytes that were read; 0: it is another page.
+  template <class T>
+  std::size_t take_corner_numbers(std::span<T> square);
+  void decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                      std::span<const std::byte> bytes);
+  /// Reads the page above for its heights.
+  void read_above(PageId id, GridRect extent, int bands, const CodeDistance& distance, const BytesOf& other);
   template <class T>
   void heights_of(const std::vector<T>& square);
   void get_dense_errors(const CodeDistance& distance);
@@ -96,6 +124,8 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
       ((head.has(kHasVoids) || head.has(kInnerCoversFollow)) && !head.has(kHasCovers)))
     corrupt("its flags contradict each other");
   if (head.has(kHasChildren) != (page.id.band > 0)) corrupt("child entries are missing, or a page of band 0 has some");
+  if (head.has(kCornersAbove) && (page.id.band > 0 || head.has(kDropsHeights)))
+    corrupt("its heights cannot be those of the page above");
   head.width = static_cast<unsigned>(whole_at(bytes, 6, 2));
   if (head.width != 2 && head.width != 4 && head.width != 8) corrupt("its numbers have an unknown width");
   head.base = static_cast<std::int64_t>(whole_at(bytes, 8, 8));
@@ -145,8 +175,43 @@ void PageDecoder::Scratch::get_most(const CodeDistance& distance) {
 }
 
 template <class T>
+std::size_t PageDecoder::Scratch::take_corner_numbers(std::span<T> square) {
+  const auto col_above = static_cast<std::size_t>(page.id.x & (kChildrenAcross - 1)) * kCornersAcross;
+  const auto row_above = static_cast<std::size_t>(page.id.y & (kChildrenAcross - 1)) * kCornersAcross;
+  const SquareBits data = data_samples(page);
+  std::array<double, kCornersAcross * kCornersAcross> heights{};
+  std::array<std::int64_t, heights.size()> numbers{};
+  std::array<std::uint8_t, heights.size()> known{};
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const std::size_t col = i % kCornersAcross, row = i / kCornersAcross;
+    const std::size_t at = (row_above + row) * kPageSide + col_above + col;
+    const bool is_data = has(data, static_cast<int>(col * kChildrenAcross), static_cast<int>(row * kChildrenAcross));
+    known[i] = is_data && has(above.known, at) ? 1 : 0;
+    heights[i] = above.heights[at];
+  }
+  numbers_of(heights, known, head.coding, numbers);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const std::size_t at = (i / kCornersAcross * kPageSide + i % kCornersAcross) * kChildrenAcross;
+    if (known[i] != 0) {
+      square[at] = static_cast<T>(static_cast<std::uint64_t>(numbers[i]) - static_cast<std::uint64_t>(head.base));
+    } else {  // the number beside it
+      square[at] = i == 0                    ? T{0}
+                   : i % kCornersAcross == 0 ? square[at - kChildrenAcross * kPageSide]
+                                             : square[at - kChildrenAcross];
+    }
+  }
+  if (height_bytes.size() < kCornerCheckBytes) return 0;
+  const bool is_right =
+      whole_at(height_bytes, 0, kCornerCheckBytes) == check_of_corner_numbers(std::span<const T>(square));
+  return is_right ? kCornerCheckBytes : 0;
+}
+
+template <class T>
 void PageDecoder::Scratch::get_square(std::span<T> square, DenseNumbers<T>& coder) {
-  const std::size_t corners = get_corner_numbers(height_bytes, square);
+  const bool are_above = head.has(kCornersAbove);
+  const std::size_t corners = are_above ? take_corner_numbers(square) : get_corner_numbers(height_bytes, square);
+  corners_differ = are_above && corners == 0;
+  if (corners_differ) return;
   if (corners == 0 || !coder.get(height_bytes.subspan(corners), stored_samples(), square))
     corrupt("its heights have too few or too many bits");
 }
@@ -201,19 +266,51 @@ void PageDecoder::Scratch::get_other_errors(const CodeDistance& distance) {
   if (!stored.get(error_bytes, page, distance)) corrupt(kWrongErrors);
 }
 
+void PageDecoder::Scratch::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                          std::span<const std::byte> bytes) {
+  begin(id, extent, bands);
+  get_head(bytes, distance);
+  get_most(distance);
+}
+
+void PageDecoder::Scratch::read_above(PageId id, GridRect extent, int bands, const CodeDistance& distance,
+                                      const BytesOf& other) {
+  const PageId parent = parent_page(id);
+  const std::span<const std::byte> bytes = other ? other(parent) : std::span<const std::byte>();
+  page.id = id;
+  if (bytes.empty()) corrupt("the page above it is missing");
+  decode_heights(parent, extent, bands, distance, bytes);
+  above.take(page);
+}
+
 const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
-                                        std::span<const std::byte> bytes) {
+                                        std::span<const std::byte> bytes, const BytesOf& other) {
   Scratch& s = *scratch_;
-  s.begin(id, extent, bands);
-  s.get_head(bytes, distance);
-  s.get_most(distance);
+  const bool needs_above = bytes.size() >= kPageHead && (std::to_integer<unsigned>(bytes[2]) & kCornersAbove) != 0;
+  if (needs_above && id.band == 0) {
+    const PageId parent = parent_page(id);
+    const bool was_last = s.is_whole_page && s.page.id == parent;
+    if (was_last) s.above.take(s.page);
+    s.is_whole_page = false;
+    if (!(s.above.id == parent)) s.read_above(id, extent, bands, distance, other);
+    s.decode_heights(id, extent, bands, distance, bytes);
+    if (s.corners_differ) {  // perhaps it was the page above in another snapshot
+      s.read_above(id, extent, bands, distance, other);
+      s.decode_heights(id, extent, bands, distance, bytes);
+    }
+    if (s.corners_differ) s.corrupt("it was written beside another page above it");
+    return s.page;
+  }
+  s.is_whole_page = false;
+  s.decode_heights(id, extent, bands, distance, bytes);
+  s.is_whole_page = true;
   return s.page;
 }
 
 const Page& PageDecoder::decode(PageId id, GridRect extent, int bands, const CodeDistance& distance,
-                                std::span<const std::byte> bytes) {
+                                std::span<const std::byte> bytes, const BytesOf& other) {
   Scratch& s = *scratch_;
-  static_cast<void>(decode_heights(id, extent, bands, distance, bytes));
+  static_cast<void>(decode_heights(id, extent, bands, distance, bytes, other));
   s.page.is_dense ? s.get_dense_errors(distance) : s.get_other_errors(distance);
   if (s.head.has_numbers() && !s.in.is_intact()) s.corrupt("it has too few or too many bits");
   return s.page;

@@ -1,4 +1,5 @@
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -68,7 +69,7 @@ struct PageEncoder::Scratch : PageWorkspace {
   bool choose_numbers(const Page& given, PageHead& head);
   void put_heights(const PageHead& head);
   template <class T>
-  void put_square(std::vector<T>& square, DenseNumbers<T>& coder);
+  void put_square(std::vector<T>& square, DenseNumbers<T>& coder, bool corners_above);
 
   /// Whether the dense form has exactly the given errors; stored ones rounded up to eighths if errors count so.
   bool dense_errors_follow(const Page& given, const CodeDistance& distance);
@@ -114,12 +115,12 @@ bool PageEncoder::Scratch::choose_numbers(const Page& given, PageHead& head) {
 }
 
 template <class T>
-void PageEncoder::Scratch::put_square(std::vector<T>& square, DenseNumbers<T>& coder) {
+void PageEncoder::Scratch::put_square(std::vector<T>& square, DenseNumbers<T>& coder, bool corners_above) {
   const SquareBits* stored_in_square = stored_samples();
   square.assign(kSquare, 0);
   Placement(page.grid).into_square(numbers, square);
   if (stored_in_square != nullptr) {
-    // Corners that are not stored may have any number: those beside them cost the fewest bits.
+    // Corners that are not stored have the numbers beside them, which cost the fewest bits.
     for (int row = 0; row < kPageSide; row += kChildrenAcross) {
       for (int col = 0; col < kPageSide; col += kChildrenAcross) {
         const auto at = static_cast<std::size_t>(row * kPageSide + col);
@@ -128,12 +129,16 @@ void PageEncoder::Scratch::put_square(std::vector<T>& square, DenseNumbers<T>& c
       }
     }
   }
-  put_corner_numbers(std::span<const T>(square), heights);
+  if (corners_above) {
+    put(heights, check_of_corner_numbers(std::span<const T>(square)));
+  } else {
+    put_corner_numbers(std::span<const T>(square), heights);
+  }
   coder.put(square, stored_in_square, heights);
 }
 
 void PageEncoder::Scratch::put_heights(const PageHead& head) {
-  with_square(head.width, [&](auto& square, auto& coder) { put_square(square, coder); });
+  with_square(head.width, [&](auto& square, auto& coder) { put_square(square, coder, head.has(kCornersAbove)); });
 }
 
 // ---- errors ------------------------------------------------------------------------------------------
@@ -205,10 +210,12 @@ ErrorForm PageEncoder::Scratch::find_implied(const Page& given, const PageHead& 
 
 // ---- the page ----------------------------------------------------------------------------------------
 
-std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance& distance) {
+std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance& distance, bool above) {
+  assert(!above || (page.id.band == 0 && !page.drops_heights));
   Scratch& s = *scratch_;
   s.mark_needed(page);
   PageHead head;
+  head.flags = above ? unsigned{kCornersAbove} : 0;
   const bool is_narrow = s.choose_numbers(page, head);
   s.begin(page);
   if (!page.valid.empty()) put_voids(page.grid, page.valid, kVoidsFrom, s.out);

@@ -31,7 +31,8 @@ enum PageFlag : std::uint8_t {
   kHasChildren = 4,
   kInnerCoversFollow = 8,
   kDropsHeights = 16,
-  kAllPageFlags = 31
+  kCornersAbove = 32,
+  kAllPageFlags = 63
 };
 
 /// The first bytes of a page.
@@ -52,6 +53,10 @@ struct PageHead {
 inline constexpr int kVoidsFrom = 0, kCoversFrom = kVoidsFrom + kVoidContexts,
                      kChildrenFrom = kCoversFrom + kCoverContexts;
 static_assert(kChildrenFrom + 5 <= kContexts);
+
+/// Of corner numbers that are not stored. They are the heights of the page above, and the check says whether it was that
+/// page.
+inline constexpr std::size_t kCornerCheckBytes = 4;
 
 /// Numbers closer to the base than this: distances and slopes fit in 32 bits in eighths.
 inline constexpr std::int64_t kNarrow = 1 << 24;

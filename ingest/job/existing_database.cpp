@@ -4,6 +4,7 @@
 
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_codec.hpp"
+#include "ingest/job/stored_bytes.hpp"
 #include "ingest/mosaic/common_grid.hpp"
 
 namespace talus {
@@ -43,7 +44,8 @@ void ExistingDatabase::fill(Window& window) const {
       const PageId id{0, x, y};
       const auto stored = txn_.find({0, curve_position(id)});
       if (!stored) continue;  // a page without data is not stored
-      const Page& page = decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content);
+      const Page& page =
+          decoder.decode_heights(id, extent, manifest_.bands, distance, stored->content, content_in(txn_));
       txn_.require_all_bytes();
       for_each_in(page.grid, window.region, [&](std::size_t from, GridPoint p) {
         const std::size_t to = index_in(window.region, p);

@@ -13,6 +13,7 @@
 #include "engine/machine/parallel.hpp"
 #include "engine/tile/coarse_levels.hpp"
 #include "ingest/files/gdal_scope.hpp"
+#include "ingest/job/stored_bytes.hpp"
 #include "ingest/job/thread_pool.hpp"
 #include "ingest/mosaic/common_grid.hpp"
 
@@ -191,8 +192,8 @@ Totals compute_coarse(const Job& job, PageWriter& writer, IngestReport& report, 
     const PageKey key{id.band, curve_position(id)};
     const auto stored = view.find(key);
     if (!stored) return nullptr;
-    const Page& page =
-        decoder.decode_heights(id, job.description.extent, job.making.bands, job.distance, stored->content);
+    const Page& page = decoder.decode_heights(id, job.description.extent, job.making.bands, job.distance,
+                                              stored->content, content_in(view));
     view.require_all_bytes();
     view.forget(key);
     return &page;

@@ -7,6 +7,7 @@
 #include "engine/tile/tile_slice.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "ingest/job/plan.hpp"
+#include "ingest/job/stored_bytes.hpp"
 #include "storage/page_store.hpp"
 
 namespace talus {
@@ -63,7 +64,7 @@ class Check {
   };
   Found decoded(PageId id) {
     const StoredPage stored = require(txn_, {id.band, curve_position(id)}, name(id));
-    return {decoder_.decode(id, extent_, bands_, distance_, stored.content), stored.generation};
+    return {decoder_.decode(id, extent_, bands_, distance_, stored.content, content_in(txn_)), stored.generation};
   }
 
   void tile(std::uint64_t position, std::uint64_t* known) {

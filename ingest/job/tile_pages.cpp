@@ -104,7 +104,8 @@ ErrorCode largest_error(const Page& page) {
 }
 
 PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, const PageMaking& making) {
-  PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance), 0};
+  const bool above = page.id.band == 0 && making.kept_above == 0;
+  PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance, above), 0};
   // Errors that no longer follow from heights may need more bytes than the heights saved.
   if (making.kept_above > 0 && page.grid.size() > 0) {
     const Page kept = with_kept_heights(page, making);
@@ -329,12 +330,13 @@ class TilePacker {
     const CodeDistance& distance = making_.distance;
     TileSlice slice;
     slice.above = made_.summary.errors[rung] > most ? kNoSlice : distance.counted_within(error_rung(rung));
+    const auto above = [&](PageId) { return std::span<const std::byte>(made_.pages.back().content); };
     for (const PageBytes& page : made_.pages) {
       if (slice.above == kNoSlice) break;
       const PageId id = page_at(page.key.table, page.key.position);
       if (id.band > 0 || making_.border->is_near(page_square(id)) ||
           distance.counted(largest_.at(page.key.position)) > slice.above) {
-        slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, distance, page.content), distance,
+        slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, distance, page.content, above), distance,
                    *making_.border);
       }
     }

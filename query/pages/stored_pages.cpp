@@ -99,9 +99,14 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
     corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
   // Fails if the file became shorter meanwhile.
+  const auto other = [&](PageId above) {
+    const auto found = txn_.find({above.band, curve_position(above)});
+    if (found) cost.bytes_read += found->content.size() + kPagePrefixBytes;
+    return found ? found->content : std::span<const std::byte>();
+  };
   try {
     const Page& decoded =
-        (decoder.*decode)(id, manifest_.description.extent, manifest_.bands, distance_, page->content);
+        (decoder.*decode)(id, manifest_.description.extent, manifest_.bands, distance_, page->content, other);
     txn_.require_all_bytes();
     return decoded;
   } catch (const Failure&) {

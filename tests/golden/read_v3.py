@@ -203,6 +203,15 @@ def height_code(k, coding):
     return struct.unpack("<d", struct.pack("<q", unrise(k, 64)))[0]
 
 
+def number_of_code(h, coding):
+    """The number whose height code is h."""
+    if coding <= 6:
+        return round(h * 10 ** (coding if coding <= 3 else coding - 3))
+    if coding == 7:
+        return unrise(struct.unpack("<i", struct.pack("<f", h))[0], 32)
+    return unrise(struct.unpack("<q", struct.pack("<d", h))[0], 64)
+
+
 # ---- section 5.1: whole numbers as bits --------------------------------------------------------------------
 
 
@@ -337,9 +346,10 @@ def number_of(bits):
 class HeightNumbers:
     """The numbers of a page's square: numbers[x + 128·y]."""
 
-    def __init__(self, content, width, stored):
+    def __init__(self, content, width, stored, above=None):
+        """above: the corner numbers that are known by place, where the page does not have any."""
         self.w, self.stored, self.numbers = 8 * width, stored, [0] * SIDE**2
-        self.streams(content, self.corners(content))
+        self.streams(content, self.corners(content) if above is None else self.corners_above(content, above))
         for s in (4, 2, 1):
             self.spacing(s)
         require(self.high_at == len(self.high) - 1 and self.low_at == len(self.low), "bits left over in heights")
@@ -362,6 +372,21 @@ class HeightNumbers:
                 number = self.numbers[before[0] + SIDE * before[1]] if before else 0
                 self.numbers[x + SIDE * y] = self.wrap(number + unzigzag(number_of(bits[k * b : k * b + b])))
         return at
+
+    def corners_above(self, content, above):
+        """The same where the page above has them."""
+        packed = b""
+        for y in range(0, SIDE, 8):
+            for x in range(0, SIDE, 8):
+                before = (x - 8, y) if x else (0, y - 8) if y else None
+                number = self.numbers[before[0] + SIDE * before[1]] if before else 0
+                number = self.numbers[x + SIDE * y] = self.wrap(above.get(x + SIDE * y, number))
+                packed += (number % (1 << self.w)).to_bytes(self.w // 8, "little")
+        xxh = library("xxhash")
+        xxh.XXH3_64bits.restype, xxh.XXH3_64bits.argtypes = ctypes.c_uint64, [ctypes.c_char_p, ctypes.c_size_t]
+        check = xxh.XXH3_64bits(packed, len(packed)) % 2**32
+        require(content[:4] == check.to_bytes(4, "little"), "corners of another page above")
+        return 4
 
     def streams(self, content, at):
         """Section 6.3: what stands before the groups."""
@@ -514,12 +539,13 @@ class Page:
     def decode(self, content):
         n = self.cols * self.rows
         version, coding, flags, form, cols, rows, width, base, heights, errors = struct.unpack_from("<6BHqII", content)
-        require(version == 3 and coding <= 8 and flags <= 31 and form <= 5 and width in (2, 4, 8), "page header")
+        require(version == 3 and coding <= 8 and flags <= 63 and form <= 5 and width in (2, 4, 8), "page header")
         require((cols, rows) == (self.cols, self.rows), "page size")
         require(form in (0, 1, 3) or coding == 0 and width <= 4, "form of errors")
         require(form < 4 or width == 2 and self.database.integer == (form == 4), "form of errors")
         require(bool(flags & 4) == (self.band > 0), "child entries")
         require(24 + heights + errors <= len(content), "parts of a page")
+        require(not flags & 32 or self.band == 0 and not flags & 16, "corners of a page above")
         self.coding, self.form, self.width, self.drops = coding, form, width, bool(flags & 16)
         self.errors, self.distances, self.heights = {}, {}, None
         self.offset = self.col % self.database.side, self.row % self.database.side
@@ -540,7 +566,8 @@ class Page:
             places.append(self.offset[0] + i % cols + SIDE * (self.offset[1] + i // cols))
             dropped = self.drops and self.errors.get(i) == 0 and not self.database.is_near_border(p)
             stored[places[i]] = bool(self.valid[i] or flags & 1 and self.covers[i]) and not dropped
-        square = HeightNumbers(heights, width, stored).numbers
+        above = self.corners_above(base) if flags & 32 else None
+        square = HeightNumbers(heights, width, stored, above).numbers
         self.numbers = [square[place] for place in places]
         self.heights = [height_code(signed(base + square[place]), coding) if stored[place] else 0.0 for place in places]
 
@@ -549,6 +576,19 @@ class Page:
         if numbers:
             numbers.finish()
         return self
+
+    def corners_above(self, base):
+        """{place in the square: height number} of the corners that the page above has, too."""
+        parent, known = self.database.pages[1, self.x // 8, self.y // 8], {}
+        for i, p in self.points():
+            if p[0] % 8 or p[1] % 8 or not self.valid[i]:
+                continue
+            k = parent.index((p[0] // 8, p[1] // 8))
+            if k is None or not parent.valid[k]:
+                continue
+            place = self.offset[0] + i % self.cols + SIDE * (self.offset[1] + i // self.cols)
+            known[place] = number_of_code(parent.heights[k], self.coding) - base
+        return known
 
     def all_errors(self, content):
         """Section 7.2."""

@@ -331,7 +331,7 @@ def main():
     except read_v3.Missing as missing:
         print("skipped:", missing)
         sys.exit(77)
-    missed = ({("forms", f) for f in range(5)} | {("widths", w) for w in (2, 4, 8)} |
+    missed = ({("forms", f) for f in range(6)} | {("widths", w) for w in (2, 4, 8)} |
               {("slice flags", flag) for flag in (1, 2, 4)}) - seen
     if missed:
         sys.exit("no page or slice has these: %s" % sorted(missed))

@@ -33,7 +33,9 @@ Page Forgery::page(PageId id) const {
   const Manifest m = manifest();
   const CodeDistance distance(m.description);
   static PageDecoder decoder;
-  return given_page(decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content), distance);
+  const auto other = [&](PageId above) { return std::span<const std::byte>(stored.at(key(above)).content); };
+  return given_page(decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content, other),
+                    distance);
 }
 
 void Forgery::put(const Page& page) { stored[key(page.id)].content = encoded(page, distance()); }
