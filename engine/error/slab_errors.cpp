@@ -124,7 +124,7 @@ class Shapes {
       }
       middle += (h - right * x - down * y) / n;
     }
-    shape.middle = shorter(static_cast<float>(middle));
+    shape.middle = static_cast<float>(middle);
     shape.right = shorter(static_cast<float>(right));
     shape.down = shorter(static_cast<float>(down));
   }

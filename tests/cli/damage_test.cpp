@@ -174,7 +174,7 @@ TEST_F(Damage, IsSaidInASentenceAndAnExitCode) {
     changed[at] = static_cast<char>(changed[at] ^ 4);
     if (expect_harmless(changed, "bit flipped in byte " + std::to_string(at)) != Fate::refused) continue;
     const Outcome query = talus({"query", "bad.talus", "--tolerance=0", "-o", "bad.ply"});
-    expect_refusal(query, {damaged}, {"page"});
+    expect_refusal(query, {damaged}, {"corrupt: bad.talus"});
     const Outcome check = talus({"verify", "bad.talus"});
     EXPECT_EQ(check.exit_code, damaged);
     EXPECT_EQ(check.signal, 0);

@@ -68,6 +68,7 @@ def rasters():
                                       for row in each(mountains(300, 140, 23), round)]
     yield "int32_cliffs", 3, "i", with_cliffs(each(mountains(150, 140, 20), round), 60000)
     yield "int32_high_cliffs", 3, "i", with_cliffs(each(mountains(150, 70, 21), round), 200000)
+    yield "float32_whole", 4, "f", with_voids(each(mountains(150, 140, 24), round), 24)
     yield "float32_decimetres", 4, "f", with_voids(each(mountains(140, 60, 6), lambda h: round(h, 1)), 6)
     yield "float32_millimetres", 4, "f", each(mountains(70, 131, 7), lambda h: round(h, 3))
     yield "float32_any", 4, "f", mountains(140, 50, 8)

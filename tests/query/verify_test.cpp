@@ -41,6 +41,9 @@ class ForgedDatabase : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete folder; }
 
+  /// With pages that can be changed alone.
+  static Forgery forgery_of(const char* name) { return Forgery(*folder / name, Forgery::Corners::in_each_page); }
+
   static VerifyReport verified(const Forgery& forgery) {
     forgery.write(*folder / "forged.talus");
     return verify(Database::open(*folder / "forged.talus").snapshot());
@@ -93,7 +96,7 @@ TEST_F(ForgedDatabase, IsSoundAsItWasMade) {
 }
 
 TEST_F(ForgedDatabase, ARepeatedHeightOfAFinePageIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   Page page = forged.page({0, 1, 1});
   page.heights[index(page, {136, 136})] += 1;  // every 8th column and row stands in the page above, too
   forged.put(page);
@@ -103,7 +106,7 @@ TEST_F(ForgedDatabase, ARepeatedHeightOfAFinePageIsFound) {
 
 TEST_F(ForgedDatabase, ARepeatedHeightOfACoarsePageIsFound) {
   for (const int band : {1, 2}) {
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     Page page = forged.page({band, 0, 0});
     page.heights[index(page, {192, 64})] += 1;
     forged.put(page);
@@ -113,7 +116,7 @@ TEST_F(ForgedDatabase, ARepeatedHeightOfACoarsePageIsFound) {
 }
 
 TEST_F(ForgedDatabase, AnyOtherHeightOfAFinePageIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   Page page = forged.page({0, 1, 1});
   page.heights[index(page, {133, 141})] += 40;
   forged.put(page);
@@ -123,7 +126,7 @@ TEST_F(ForgedDatabase, AnyOtherHeightOfAFinePageIsFound) {
 
 TEST_F(ForgedDatabase, AnErrorBelowThatOfAVertexInAnotherPageIsFound) {
   // A vertex of band 1 that a vertex of band 0 depends on.
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   const Page fine = forged.page({0, 1, 1});
   GridPoint parent{};
   own_vertex(fine, [&](std::size_t i, GridPoint p) {
@@ -139,7 +142,7 @@ TEST_F(ForgedDatabase, AnErrorBelowThatOfAVertexInAnotherPageIsFound) {
 
 TEST_F(ForgedDatabase, AnErrorBelowThatOfAVertexBesideThePageIsFound) {
   // The neighbour's outermost vertices depend on the first column of this page.
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   const Page west = forged.page({0, 0, 1});
   GridPoint parent{};
   own_vertex(west, [&](std::size_t i, GridPoint p) {
@@ -155,7 +158,7 @@ TEST_F(ForgedDatabase, AnErrorBelowThatOfAVertexBesideThePageIsFound) {
 
 TEST_F(ForgedDatabase, AnErrorThatNothingDependsOnIsFoundLoweredOrRaised) {
   for (const int by : {-1, 1}) {
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     Page page = forged.page({0, 2, 0});
     const GridPoint p = own_vertex(
         page, [&](std::size_t i, GridPoint v) { return spacing(v) == 1 && !is_centre(v) && page.errors[i] > 3; });
@@ -167,7 +170,7 @@ TEST_F(ForgedDatabase, AnErrorThatNothingDependsOnIsFoundLoweredOrRaised) {
 }
 
 TEST_F(ForgedDatabase, ACoarseErrorThatIsTooLowIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   Page page = forged.page({2, 0, 0});
   const GridPoint p =
       own_vertex(page, [&](std::size_t i, GridPoint v) { return spacing(v) == 64 && page.errors[i] > 3; });
@@ -179,7 +182,7 @@ TEST_F(ForgedDatabase, ACoarseErrorThatIsTooLowIsFound) {
 
 TEST_F(ForgedDatabase, AnErrorInAPagesTableOfPagesBelowIsFound) {
   for (const int by : {-1, 1}) {
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     Page page = forged.page({1, 0, 0});
     page.children[9].largest = static_cast<ErrorCode>(page.children[9].largest + by);
     forged.put(page);
@@ -188,7 +191,7 @@ TEST_F(ForgedDatabase, AnErrorInAPagesTableOfPagesBelowIsFound) {
 }
 
 TEST_F(ForgedDatabase, ARecordOfAnotherTileIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   TileSummary record = forged.record(1, 0);
   record.entry = forged.record(0, 0).entry;
   forged.put(0, 0, record);
@@ -211,23 +214,23 @@ TEST_F(ForgedDatabase, ARecordThatSaysSomethingElseIsFound) {
   };
   for (std::size_t i = 0; i < changes.size(); ++i) {
     SCOPED_TRACE(i);
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     TileSummary record = forged.record(0, 0);
     changes[i](record);
     forged.put(0, 0, record);
     expect_found(forged, "record of tile 0/0", GridPoint{0, 0});
   }
-  Forgery without(*folder / "a.talus");
+  Forgery without = forgery_of("a.talus");
   without.stored.erase({kRecordTable, curve_position({1, 0, 0})});
   expect_found(without, "record of tile 0/0: missing", GridPoint{0, 0});
-  Forgery beyond(*folder / "a.talus");
+  Forgery beyond = forgery_of("a.talus");
   beyond.put(7, 7, beyond.record(0, 0));
   expect_found(beyond, "its tile has a record");
 }
 
 TEST_F(ForgedDatabase, APageOfAnOlderGenerationIsFound) {
   // As after an update that did not reach this page, once as it is and once with everything above made to fit.
-  const Forgery before(*folder / "a.talus"), after(*folder / "updated.talus");
+  const Forgery before = forgery_of("a.talus"), after = forgery_of("updated.talus");
   for (const PageId id : {PageId{0, 1, 1}, PageId{1, 0, 0}, PageId{2, 0, 0}}) {
     for (const bool is_hidden : {false, true}) {
       Forgery forged = after;
@@ -239,7 +242,7 @@ TEST_F(ForgedDatabase, APageOfAnOlderGenerationIsFound) {
 }
 
 TEST_F(ForgedDatabase, AGenerationOfTheHeaderIsFound) {
-  Forgery forged(*folder / "updated.talus");
+  Forgery forged = forgery_of("updated.talus");
   Manifest m = forged.manifest();
   m.top_generations[0] = 0;
   forged.put(m);
@@ -247,13 +250,13 @@ TEST_F(ForgedDatabase, AGenerationOfTheHeaderIsFound) {
 }
 
 TEST_F(ForgedDatabase, AnEntryOfAPageBelowThatWasDroppedIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   Page page = forged.page({1, 0, 0});
   page.children[9] = {};
   forged.put(page);
   expect_found(forged, "unknown to the page above it", GridPoint{130, 130});
   // The page, too, and all that is said above of it.
-  forged = Forgery(*folder / "a.talus");
+  forged = forgery_of("a.talus");
   forged.stored.erase(Forgery::key({0, 1, 1}));
   forged.hide();
   expect_found(forged, "not stored", GridPoint{130, 130});
@@ -261,7 +264,7 @@ TEST_F(ForgedDatabase, AnEntryOfAPageBelowThatWasDroppedIsFound) {
 
 TEST_F(ForgedDatabase, AVoidBitIsFound) {
   for (const bool was_void : {false, true}) {
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     Page page = forged.page({0, 3, 1});
     ASSERT_FALSE(page.valid.empty());
     const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint) { return (page.valid[i] == 0) == was_void; });
@@ -273,7 +276,7 @@ TEST_F(ForgedDatabase, AVoidBitIsFound) {
 }
 
 TEST_F(ForgedDatabase, ATriangleWithDataIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   Page page = forged.page({0, 3, 1});
   const GridPoint p = own_vertex(page, [&](std::size_t i, GridPoint) { return page.covers[i] == 0; });
   page.covers[index(page, p)] = 15;
@@ -285,7 +288,7 @@ TEST_F(ForgedDatabase, ATriangleWithDataIsFound) {
 TEST_F(ForgedDatabase, AFillIsFound) {
   for (const PageId id : {PageId{0, 3, 1}, PageId{1, 0, 0}, PageId{2, 0, 0}}) {
     SCOPED_TRACE(id.band);
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     Page page = forged.page(id);
     ASSERT_FALSE(page.valid.empty());
     const GridPoint p =
@@ -297,8 +300,25 @@ TEST_F(ForgedDatabase, AFillIsFound) {
   }
 }
 
+/// A page of band 0 has a check of the heights that it takes from the page above.
+TEST_F(ForgedDatabase, AnotherPageAboveIsFoundAndRefused) {
+  Forgery forged(*folder / "a.talus", Forgery::Corners::as_stored);
+  Page above = forged.page({1, 0, 0});
+  above.heights[above.index({160, 24})] += 1;  // in page 1/0
+  forged.put(above);
+  expect_found(forged, "another page above it", GridPoint{160, 24});
+  const Snapshot now = Database::open(*folder / "forged.talus").snapshot();
+  try {
+    static_cast<void>(now.samples({{150, 20}, {170, 30}}));
+    FAIL() << "it was read";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.cause(), Cause::corrupt) << failure.what();
+  }
+  EXPECT_EQ(now.samples({{0, 0}, {100, 100}}).values.size(), 101u * 101u) << "other pages are as they were";
+}
+
 TEST_F(ForgedDatabase, APageWithAnothersContentIsFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   std::swap(forged.stored.at(Forgery::key({0, 0, 0})), forged.stored.at(Forgery::key({0, 1, 0})));
   forged.hide();
   expect_found(forged, "", GridPoint{0, 0});
@@ -322,7 +342,7 @@ TEST_F(ForgedDatabase, AHeaderThatSaysSomethingElseIsFound) {
   };
   for (const auto& [name, change] : changes) {
     SCOPED_TRACE(name);
-    Forgery forged(*folder / "a.talus");
+    Forgery forged = forgery_of("a.talus");
     Manifest m = forged.manifest();
     change(m);
     forged.put(m);
@@ -335,7 +355,7 @@ TEST_F(ForgedDatabase, AHeaderThatSaysSomethingElseIsFound) {
 }
 
 TEST_F(ForgedDatabase, CountsOfTheProvenanceAreFound) {
-  Forgery forged(*folder / "a.talus");
+  Forgery forged = forgery_of("a.talus");
   Provenance p = forged.provenance();
   p.vertices_above[4].second += 1;
   forged.put(p);
@@ -356,7 +376,7 @@ std::optional<std::pair<Mesh, SampleWindow>> seen(const std::filesystem::path& f
 }
 
 TEST_F(ForgedDatabase, ASliceThatIsNotThatOfItsPagesIsFound) {
-  const Forgery sound(*folder / "a.talus");
+  const Forgery sound = forgery_of("a.talus");
   const Manifest m = sound.manifest();
   const CodeDistance distance(m.description);
   SliceCoder coder;
@@ -405,7 +425,7 @@ TEST_F(ForgedDatabase, ASliceThatIsNotThatOfItsPagesIsFound) {
 TEST_F(ForgedDatabase, WhatAQueryRefusesOrAnswersOtherwiseIsNeverCalledSound) {
   const auto whole = seen(*folder / "a.talus");
   ASSERT_TRUE(whole);
-  const Forgery sound(*folder / "a.talus");
+  const Forgery sound = forgery_of("a.talus");
   std::vector<PageKey> keys;
   for (const auto& [key, any] : sound.stored) {
     if (key.table >= 0 && key.table < kRecordTable) keys.push_back(key);

@@ -8,7 +8,7 @@
 
 namespace talus::support {
 
-Forgery::Forgery(const std::filesystem::path& database) {
+Forgery::Forgery(const std::filesystem::path& database, Corners corners) {
   const ReadTxn txn(PageStore::open(database));
   for (int table = kHeaderTable; table <= kSliceTable; ++table) {
     txn.for_each(table, [&](std::uint64_t position) {
@@ -16,6 +16,12 @@ Forgery::Forgery(const std::filesystem::path& database) {
       stored[{table, position}] = {{found->content.begin(), found->content.end()}, found->generation};
     });
   }
+  if (corners == Corners::as_stored || !stored.contains({kHeaderTable, kManifestPosition})) return;
+  std::vector<Page> pages;
+  for (const auto& [at, any] : stored) {
+    if (at.table == 0) pages.push_back(page(page_at(0, at.position)));
+  }
+  for (const Page& page : pages) put(page);
 }
 
 Manifest Forgery::manifest() const { return decode_manifest(stored.at({kHeaderTable, kManifestPosition}).content); }
@@ -38,11 +44,9 @@ Page Forgery::page(PageId id) const {
                     distance);
 }
 
-void Forgery::put(const Page& page) { stored[key(page.id)].content = encoded(page, distance()); }
-
-std::vector<std::byte> Forgery::encoded(const Page& page, const CodeDistance& distance) {
+void Forgery::put(const Page& page) {
   static PageEncoder encoder;  // its tables take long to make
-  return encoder.encode(page, distance);
+  stored[key(page.id)].content = encoder.encode(page, distance());
 }
 
 TileSummary Forgery::record(int x, int y) const {

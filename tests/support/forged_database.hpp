@@ -16,8 +16,12 @@ namespace talus::support {
 
 class Forgery {
  public:
+  /// Pages of band 0 take heights from the page above: a change of that would change them, too. In each page: they have
+  /// these heights themselves, so that each page can be changed alone. Errors are then rounded up to codes once more.
+  enum class Corners { as_stored, in_each_page };
+
   /// Everything a database holds.
-  explicit Forgery(const std::filesystem::path& database);
+  explicit Forgery(const std::filesystem::path& database, Corners corners = Corners::as_stored);
 
   struct Stored {
     std::vector<std::byte> content;
@@ -47,7 +51,6 @@ class Forgery {
 
  private:
   [[nodiscard]] CodeDistance distance() const;
-  static std::vector<std::byte> encoded(const Page& page, const CodeDistance& distance);
 };
 
 }  // namespace talus::support
