@@ -45,23 +45,18 @@ bool get_children(std::vector<ChildEntry>& children, NumberReader& in) {
 struct HeightsAbove {
   PageId id{-1, 0, 0};
   std::vector<double> heights = std::vector<double>(kSquare);
-  SquareBits known{};
+  SquareBits known{};  ///< data
 
   void take(const Page& page) {
     id = page.id;
-    known = {};
-    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
-      if (!page.is_data(i) || page.is_dropped(i, p)) return;
-      const std::size_t at = page.in_square(i);
-      heights[at] = page.height(i);
-      insert(known, at);
-    });
+    known = data_samples(page);
+    Placement(page.grid).into_square(page.heights, heights);
   }
 };
 
 struct PageDecoder::Scratch : PageWorkspace {
   HeightsAbove above;
-  bool is_whole_page = false;  ///< a page, not yet taken by `above`
+  bool is_decoded = false;  ///< the page, and `above` has not taken it yet
   bool corners_differ = false;
   NumberReader in;
   PageHead head;
@@ -289,9 +284,9 @@ const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, c
   const bool needs_above = bytes.size() >= kPageHead && (std::to_integer<unsigned>(bytes[2]) & kCornersAbove) != 0;
   if (needs_above && id.band == 0) {
     const PageId parent = parent_page(id);
-    const bool was_last = s.is_whole_page && s.page.id == parent;
+    const bool was_last = s.is_decoded && s.page.id == parent;
     if (was_last) s.above.take(s.page);
-    s.is_whole_page = false;
+    s.is_decoded = false;
     if (!(s.above.id == parent)) s.read_above(id, extent, bands, distance, other);
     s.decode_heights(id, extent, bands, distance, bytes);
     if (s.corners_differ) {  // perhaps it was the page above in another snapshot
@@ -301,9 +296,9 @@ const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, c
     if (s.corners_differ) s.corrupt("it was written beside another page above it");
     return s.page;
   }
-  s.is_whole_page = false;
+  s.is_decoded = false;
   s.decode_heights(id, extent, bands, distance, bytes);
-  s.is_whole_page = true;
+  s.is_decoded = true;
   return s.page;
 }
 

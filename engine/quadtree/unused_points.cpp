@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <vector>
@@ -68,48 +69,59 @@ class TrianglesAround {
   std::span<const std::uint8_t> covers_;
 };
 
-std::vector<std::uint32_t> zeros_of(const std::vector<std::uint8_t>& used) {
-  std::vector<std::uint32_t> zeros;
-  for (auto at = std::find(used.begin(), used.end(), 0); at != used.end(); at = std::find(at + 1, used.end(), 0))
-    zeros.push_back(static_cast<std::uint32_t>(at - used.begin()));
-  return zeros;
-}
-
 std::vector<std::uint32_t> unused_by_triangles(const Mesh& mesh) {
   std::vector<std::uint8_t> used(mesh.points.size(), 0);
   for (const auto& t : mesh.triangles) {
     for (const std::uint32_t v : t) used[v] = 1;
   }
-  return zeros_of(used);
+  std::vector<std::uint32_t> unused;
+  for (auto at = std::find(used.begin(), used.end(), 0); at != used.end(); at = std::find(at + 1, used.end(), 0))
+    unused.push_back(static_cast<std::uint32_t>(at - used.begin()));
+  return unused;
+}
+
+/// The vertices around which not all triangles hold data; nothing if they are more than `most`.
+std::optional<std::vector<std::uint32_t>> partly_held(std::span<const std::uint8_t> covers, std::size_t most) {
+  constexpr std::uint64_t kAll = 0x0f0f0f0f0f0f0f0f;  // 15 in each byte
+  std::vector<std::uint32_t> found;
+  for (std::size_t i = 0; i < covers.size() && found.size() <= most; i += 8) {
+    std::uint64_t word = kAll;
+    const std::size_t bytes = std::min<std::size_t>(8, covers.size() - i);
+    std::memcpy(&word, &covers[i], bytes);
+    if (word == kAll) continue;
+    for (std::size_t k = i; k < i + bytes; ++k) {
+      if (covers[k] != 15) found.push_back(static_cast<std::uint32_t>(k));
+    }
+  }
+  if (found.size() > most) return std::nullopt;
+  return found;
 }
 
 /// An unused point is a corner of a triangle without data: it is the vertex in its right angle, or a parent or an end
-/// of that, and that vertex has covers that say so.
-std::vector<std::uint32_t> unused_by_covers(const RestrictedQuadtree& quadtree, const Mesh& mesh) {
+/// of that.
+std::vector<std::uint32_t> unused_beside(std::span<const std::uint32_t> partly_held, const RestrictedQuadtree& quadtree,
+                                         const Mesh& mesh) {
   const VertexMask& mask = quadtree.vertices;
   const TrianglesAround around(quadtree);
-  std::vector<std::uint8_t> used(mesh.points.size(), 1);
+  std::vector<std::uint32_t> unused;
   const auto look_at = [&](GridPoint p) {
     if (!mask.region().contains(p) || !mask.contains(p)) return;
     const std::uint32_t rank = mask.rank(p);
-    if (spacing(p) == kRootSpacing) {
-      const auto has_it = [&](const Corners& t) { return t[0] == rank || t[1] == rank || t[2] == rank; };
-      used[rank] = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), has_it) ? 1 : 0;
-    } else if (used[rank] != 0) {
-      used[rank] = around.any(p) ? 1 : 0;
-    }
+    const auto has_it = [&](const Corners& t) { return t[0] == rank || t[1] == rank || t[2] == rank; };
+    const bool is_used =
+        spacing(p) == kRootSpacing ? std::any_of(mesh.triangles.begin(), mesh.triangles.end(), has_it) : around.any(p);
+    if (!is_used) unused.push_back(rank);
   };
-  const auto& covers = quadtree.covers;
-  const auto is_mixed = [](std::uint8_t c) { return c != 15; };
-  for (auto at = covers.begin(); (at = std::find_if(at, covers.end(), is_mixed)) != covers.end(); ++at) {
-    const auto i = static_cast<std::size_t>(at - covers.begin());
+  for (const std::uint32_t i : partly_held) {
     const GridPoint p = mesh.points[i];
     look_at(p);
     if (spacing(p) == kRootSpacing) continue;
     const Diamond d = diamond(p);
     for (const GridPoint q : {d.apexes[0], d.apexes[1], d.ends[0], d.ends[1]}) look_at(q);
   }
-  return zeros_of(used);
+  std::sort(unused.begin(), unused.end());
+  unused.erase(std::unique(unused.begin(), unused.end()), unused.end());
+  return unused;
 }
 
 constexpr std::size_t kFew = 8, kAtOnce = 4096;  ///< removed points; numbers
@@ -139,13 +151,12 @@ TALUS_CLONES void renumber(std::uint32_t* numbers, std::size_t count, const std:
 
 /// The unused points if there are few voids and few such points; otherwise nothing.
 std::optional<std::vector<std::uint32_t>> few_unused(const RestrictedQuadtree& quadtree, Mesh& mesh) {
-  constexpr std::ptrdiff_t kMostOfVertices = 32;  // a look at what is around a vertex takes as long as at 30 triangles
-  const auto all_hold_data = std::count(quadtree.covers.begin(), quadtree.covers.end(), std::uint8_t{15});
-  const auto vertices = static_cast<std::ptrdiff_t>(mesh.points.size());
-  const bool has_few_voids = !quadtree.covers.empty() && vertices - all_hold_data <= vertices / kMostOfVertices;
-  if (!has_few_voids || mesh.triangles.empty() || !(answered(quadtree) == quadtree.vertices.region()))
+  constexpr std::size_t kMostOfVertices = 32;  // a look at what is around a vertex takes as long as at 30 triangles
+  if (quadtree.covers.empty() || mesh.triangles.empty() || !(answered(quadtree) == quadtree.vertices.region()))
     return std::nullopt;
-  std::vector<std::uint32_t> unused = unused_by_covers(quadtree, mesh);
+  const auto partly = partly_held(quadtree.covers, mesh.points.size() / kMostOfVertices);
+  if (!partly) return std::nullopt;
+  std::vector<std::uint32_t> unused = unused_beside(*partly, quadtree, mesh);
   bool is_sure = unused.size() <= kFew;
   for_each_corners(mesh, [&](const std::uint32_t* corners, std::size_t count) {
     for (const std::uint32_t point : unused) is_sure = is_sure && !has(corners, count, point);
