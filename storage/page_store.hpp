@@ -78,6 +78,10 @@ class ReadTxn {
   /// fails  corrupt: its checksum is wrong; io: the file became shorter, or its disk fails
   [[nodiscard]] std::optional<StoredPage> find(PageKey key) const;
 
+  /// A page's content without a look at its checksum, to decide whether to read the page; empty: there is none.
+  /// fails  corrupt: a damaged tile; io
+  [[nodiscard]] std::span<const std::byte> unchecked(PageKey key) const;
+
   /// visit(position) for each page of a table, in order.
   ///
   /// damaged  called for a damaged tile with the first position that it has in the table, and the walk continues; empty:

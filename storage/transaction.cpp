@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "storage/checksum.hpp"
 #include "storage/environment.hpp"
 #include "storage/tile_value.hpp"
 #include "talus/failure.hpp"
@@ -35,9 +36,17 @@ struct ReadTxn::Impl {
     return std::span(static_cast<const std::byte*>(found.mv_data), found.mv_size);
   }
 
-  /// A page as it is stored, from the value that may have it; empty: there is none.
-  static std::span<const std::byte> stored_in(std::span<const std::byte> value, PageKey key) {
-    return is_of_tile(key.table) ? parts_of_tile(value_key(key).position, value)[part_of(key)] : value;
+  /// A page as it is stored; empty: there is none.
+  [[nodiscard]] std::span<const std::byte> stored(PageKey key) const {
+    const auto found = value(value_key(key));
+    if (!found) return {};
+    if (!is_of_tile(key.table)) return *found;
+    try {
+      return parts_of_tile(value_key(key).position, *found)[part_of(key)];
+    } catch (const Failure& f) {
+      environment->require_all_bytes();
+      throw in_file(f);
+    }
   }
 
   /// visit(position, value) for each value of a table, in order.
@@ -83,11 +92,9 @@ ReadTxn::ReadTxn(ReadTxn&&) noexcept = default;
 ReadTxn& ReadTxn::operator=(ReadTxn&&) noexcept = default;
 
 std::optional<StoredPage> ReadTxn::find(PageKey key) const {
-  const auto value = impl_->value(value_key(key));
-  if (!value) return std::nullopt;
+  const auto stored = impl_->stored(key);
+  if (stored.empty()) return std::nullopt;
   try {
-    const auto stored = Impl::stored_in(*value, key);
-    if (stored.empty() && is_of_tile(key.table)) return std::nullopt;
     return unwrapped(key, stored);
   } catch (const Failure& f) {
     impl_->environment->require_all_bytes();
@@ -95,15 +102,11 @@ std::optional<StoredPage> ReadTxn::find(PageKey key) const {
   }
 }
 
-bool ReadTxn::has(PageKey key) const {
-  const auto value = impl_->value(value_key(key));
-  if (!value) return false;
-  try {
-    return !is_of_tile(key.table) || !Impl::stored_in(*value, key).empty();
-  } catch (const Failure& f) {
-    impl_->environment->require_all_bytes();
-    throw impl_->in_file(f);
-  }
+bool ReadTxn::has(PageKey key) const { return !impl_->stored(key).empty(); }
+
+std::span<const std::byte> ReadTxn::unchecked(PageKey key) const {
+  const auto stored = impl_->stored(key);
+  return stored.subspan(std::min(stored.size(), kPagePrefixBytes));
 }
 
 void ReadTxn::forget(PageKey key) const {

@@ -10,7 +10,7 @@ namespace {
 using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
 
 /// A slice has at most this share of the vertices of its tile.
-constexpr double kShareOfSlice = 0.024;
+constexpr double kShareOfSlice = 0.021;
 
 /// The triangles of p that leave the extent. No mesh has them. Their bits are 1, so that pages without voids store
 /// none.

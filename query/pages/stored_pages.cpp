@@ -99,9 +99,9 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
     corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
   // Fails if the file became shorter meanwhile.
+  // Whoever reads a page has read the page above it, which has the page's generation.
   const auto other = [&](PageId above) {
     const auto found = txn_.find({above.band, curve_position(above)});
-    if (found) cost.bytes_read += found->content.size() + kPagePrefixBytes;
     return found ? found->content : std::span<const std::byte>();
   };
   try {
@@ -115,22 +115,32 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
   }
 }
 
+bool StoredPages::is_worth_reading(std::int32_t threshold, std::int32_t above) const {
+  constexpr double kReach = 16;  // beyond it a slice takes several times as long as the few pages it replaces
+  if (threshold == kNoSlice || threshold > above) return false;
+  const auto metres = [&](std::int32_t counted) {
+    return distance_.is_whole() ? distance_.metres(counted / 8.0) : error_of(static_cast<ErrorCode>(counted));
+  };
+  return threshold == 0 || metres(above) <= kReach * metres(threshold);
+}
+
 const TileSlice* StoredPages::slice(PageId tile, std::uint32_t generation, std::int32_t above, SliceCoder& coder,
                                     QueryCost& cost) const {
   if (manifest_.description.finest_tolerance.value > 0) return nullptr;
   const Stopwatch reading(cost.reading_seconds);
-  const auto stored = txn_.find({kSliceTable, curve_position(tile)});
+  const PageKey key{kSliceTable, curve_position(tile)};
+  const std::int32_t threshold = SliceCoder::threshold_of(txn_.unchecked(key));
+  if (txn_.has(key) && !is_worth_reading(threshold, above)) return nullptr;
+  const auto stored = txn_.find(key);
   const auto corrupt = [&](const std::string& what) {
     fail_in(file_, Cause::corrupt, "corrupt: {}: the slice of tile {}/{} is {}", file_.string(), tile.x, tile.y, what);
   };
   if (!stored) corrupt("missing");
-  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes;
+  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes + kTileDirectoryBytes;
   cost.bytes_read += bytes;
   if (BandCost* band = band_in(cost, tile)) ++band->slices_read, band->bytes_read += bytes;
   if (stored->generation != generation)
     corrupt(fmt::format("stale: written by update {}, expected update {}", stored->generation, generation));
-  const std::int32_t threshold = SliceCoder::threshold_of(stored->content);
-  if (threshold == kNoSlice || threshold > above) return nullptr;
   try {
     const TileSlice& slice = coder.decode({tile.x, tile.y}, manifest_.description.extent, distance_, stored->content);
     txn_.require_all_bytes();
