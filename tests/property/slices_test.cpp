@@ -112,7 +112,7 @@ TEST(Slices, OfFeetAndOfOddStepsHoldWhatPagesHold) {
     const Snapshot with = database.snapshot(), without = Database::open(folder / "b.talus").snapshot();
     const GridRect extent = with.description().extent;
     std::uint64_t replaced = 0;
-    for (const double tolerance : {400.0, 200.0, 100.0, 50.0, 20.0, 10.0, 9.99, 5.0, 3.0, 1.0}) {
+    for (const double tolerance : {400.0, 200.0, 100.0, 50.0, 20.0, 10.0, 9.99, 5.0, 3.0, 1.0, 0.5, 0.2, 0.1}) {
       Question question{.region = extent, .tolerance = Metres{tolerance}};
       replaced += expect_same(question, with, without);
       const Answer answer = with.ask(question);
@@ -182,6 +182,27 @@ TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {
     }
     EXPECT_GT(replaced, 0u);
   }
+}
+
+/// A finer question does not read the slice in vain, and a much coarser one takes the few pages that it needs.
+TEST(Slices, AreReadWhereTheyAreWorthIt) {
+  const TempFolder folder;
+  write_raster(fit(fractal(1024, 1024, 5, 2000), SampleType::int16), folder / "a.tif");
+  ingest(folder / "a.tif", folder / "a.talus");
+  const std::vector<double> thresholds = write_without_slices(folder / "a.talus", folder / "b.talus");
+  ASSERT_EQ(thresholds.size(), 1u);
+  const Snapshot now = Database::open(folder / "a.talus", {.cache_bytes = 0, .threads = 1}).snapshot();
+  const auto slices_read = [&](double tolerance) {
+    std::uint64_t read = 0;
+    for (const BandCost& band :
+         now.ask({.region = now.description().extent, .tolerance = Metres{tolerance}}).cost.bands)
+      read += band.slices_read;
+    return read;
+  };
+  EXPECT_EQ(slices_read(0.9 * thresholds[0]), 0u);
+  EXPECT_EQ(slices_read(thresholds[0]), 1u);
+  EXPECT_EQ(slices_read(2 * thresholds[0]), 1u);
+  EXPECT_EQ(slices_read(17 * thresholds[0]), 0u);
 }
 
 }  // namespace
