@@ -13,10 +13,21 @@
 
 namespace talus {
 
+/// A position has 32 bits of each coordinate, which take turns, and the sign bits of both are flipped: the two highest
+/// bits. A tile's coordinates are those of its pages of band 0 shifted by three bits, with their signs.
+inline constexpr std::uint64_t kSigns = std::uint64_t{3} << 62;
+[[nodiscard]] constexpr std::uint64_t tile_of(std::uint64_t page) {
+  std::uint64_t tile = (page ^ kSigns) / kTilePages;
+  for (const int sign : {56, 57}) {
+    if ((tile >> sign & 1) != 0) tile |= std::uint64_t{0x54} << sign;  // the three bits above of this coordinate
+  }
+  return tile ^ kSigns;
+}
+
 /// The key of a page's value: its own, or that of its tile, whose table is kTileTable.
 [[nodiscard]] constexpr PageKey value_key(PageKey key) {
   if (!is_of_tile(key.table)) return key;
-  return {kTileTable, key.table == 0 ? key.position / kTilePages : key.position};
+  return {kTileTable, key.table == 0 ? tile_of(key.position) : key.position};
 }
 /// The same as bytes: a number for the table, and the position, big endian.
 using KeyBytes = std::array<std::uint8_t, 9>;
@@ -37,7 +48,7 @@ inline constexpr std::size_t kTileParts = kTilePages + 3;
 /// The pages of a table that a tile may have, and the position of page i.
 [[nodiscard]] constexpr std::size_t pages_in_tile(int table) { return table == 0 ? kTilePages : 1; }
 [[nodiscard]] constexpr std::uint64_t position_in_tile(int table, std::uint64_t tile, std::size_t i) {
-  return table == 0 ? tile * kTilePages + i : tile;
+  return table == 0 ? (tile * kTilePages + i) ^ kSigns : tile;
 }
 
 using TileParts = std::array<std::vector<std::byte>, kTileParts>;  ///< stored forms; empty: there is none

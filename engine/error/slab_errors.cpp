@@ -92,7 +92,6 @@ class Shapes {
     return range.highest > middle && near.highest - middle < middle - near.lowest ? near.highest : near.lowest;
   }
 
-  /// A least-squares fit to every 8th sample of every 8th row.
   /// Planes are stored in records. Bits that hardly change a bound would take bytes.
   static constexpr std::uint32_t kSpareBits = 0xff;
   static float shorter(float v) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) & ~kSpareBits); }
@@ -101,6 +100,7 @@ class Shapes {
     return shorter(std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) + kSpareBits));
   }
 
+  /// A least-squares fit to every 8th sample of every 8th row.
   static void fit(const OwnSamples& samples, HeightRange range, BlockShape& shape) {
     double n = 0, x = 0, y = 0, h = 0, xx = 0, xy = 0, yy = 0, xh = 0, yh = 0;
     const double base = range.lowest + (range.highest - range.lowest) / 2;

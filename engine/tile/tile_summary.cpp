@@ -65,7 +65,12 @@ double error_rung(std::size_t i) {
   return power < 0 ? digit / std::pow(10.0, -power) : digit * std::pow(10.0, power);
 }
 
-std::vector<std::byte> encode(const TileSummary& summary) {
+std::vector<std::byte> encode(const TileSummary& given) {
+  TileSummary summary = given;
+  // Which of two zeros is the lowest depends on the order of samples, so these have no sign. Posts are samples.
+  for (auto& block : summary.record.blocks) block.typical += 0.0;
+  summary.lowest += 0.0, summary.highest += 0.0;
+  summary.entry.lowest += 0.0f, summary.entry.highest += 0.0f;
   std::vector<std::byte> plain(plain_bytes());
   std::byte* to = plain.data();
   for_each_field(summary, [&](const auto& v) {

@@ -18,9 +18,14 @@ namespace {
 
 double step_metres(const Description& d) { return std::abs(d.step.scale) / d.step.divisor * d.metres_per_unit; }
 
-/// The number of height steps in a quantum; empty if it is not whole.
+/// Whether all heights of answers are. In a database of a tolerance, those that were dropped are means of others.
+bool are_whole_steps(const Description& d) {
+  return d.step.integer && d.step.offset == 0 && d.finest_tolerance.value == 0;
+}
+
+/// The number of height steps in a quantum; empty if it is not whole, or heights are not.
 std::optional<double> steps_in(const Description& d, Metres quantum) {
-  if (!d.step.integer || d.step.offset != 0) return std::nullopt;
+  if (!are_whole_steps(d)) return std::nullopt;
   const double steps = quantum.value / step_metres(d), whole = std::nearbyint(steps);
   if (whole < 1 || std::abs(steps - whole) > 1e-9 * whole) return std::nullopt;
   return whole;
@@ -109,7 +114,7 @@ double rounding_of(const Description& d, Metres quantum) {
 }
 
 Metres quantum_for(const Description& d, Metres tolerance) {
-  if (!d.step.integer || d.step.offset != 0) return tolerance;
+  if (!are_whole_steps(d)) return tolerance;
   double steps = std::max(1.0, std::floor(tolerance.value / step_metres(d)));
   if (std::fmod(steps, 2) == 0) ++steps;  // a larger quantum with the same rounding
   return Metres{steps * step_metres(d)};
@@ -117,7 +122,7 @@ Metres quantum_for(const Description& d, Metres tolerance) {
 
 Metres dense_quantum(const Description& d, Metres tolerance) {
   const double left = std::max(0.0, tolerance.value - std::max(d.lossy.value, d.finest_tolerance.value));
-  if (!d.step.integer || d.step.offset != 0) return Metres{2 * left};
+  if (!are_whole_steps(d)) return Metres{2 * left};
   return Metres{(2 * std::floor(left / step_metres(d)) + 1) * step_metres(d)};
 }
 

@@ -87,8 +87,9 @@ class Tables:
         require(stored[:8] == self.checksum(number, position, generation, content), "checksum")
         return content, generation
 
-    def from_tile(self, number, position):
-        tile = position >> 6 if number == 0 else position
+    def from_tile(self, number, place):
+        x, y = (sum((place >> 2 * bit + axis & 1) << bit for bit in range(32)) - 2**31 for axis in (0, 1))
+        tile = position(x >> 3, y >> 3) if number == 0 else place
         value = self.value(0, tile)
         if value is None:
             return None
@@ -99,7 +100,7 @@ class Tables:
         require(len(value) == 8 + 268 + sum(lengths), "length of a tile")
         part = {33: 0, 1: 1, 32: 66}.get(number)
         if part is None:
-            x, y = (sum((position >> 2 * bit + axis & 1) << bit for bit in range(3)) for axis in (0, 1))
+            x, y = x % 8, y % 8
             part = 2 + (7 - y if x == 0 else 7 + x if y == 0 else 15 + 7 * (y - 1) + x - 1)
         start = 8 + 268 + sum(lengths[:part])
         return value[start : start + lengths[part]]

@@ -51,9 +51,9 @@ class Kept {
   [[nodiscard]] std::vector<std::string> findings() const {
     return verify(now(), [&](GridRect r) { return Raster(folder_ / "a.tif").read(r); }).findings;
   }
-  void expect_promise(GridRect region, double tolerance, double finest) const {
-    const Answer answer = now().ask({.region = region, .tolerance = Metres{tolerance}});
-    EXPECT_LE(answer.quadtree.bound.value, std::max(tolerance, finest) + 2e-9);
+  void expect_promise(GridRect region, double tolerance, double finest, Heights heights = {}) const {
+    const Answer answer = now().ask({.region = region, .tolerance = Metres{tolerance}, .heights = heights});
+    EXPECT_LE(answer.quadtree.bound.value, std::max(tolerance, finest) + 1e-8);
     OracleOptions judging{1, 1};
     judging.heights_are_source = false;
     const OracleReport report =
@@ -115,7 +115,7 @@ TEST(FinestTolerance, AnswersOverSeveralTilesKeepIt) {
     for (const double tolerance : {0.0, 25.0, 90.0}) kept.expect_promise(region, tolerance, 25);
 }
 
-/// Pages of voids alone are not stored, though others on their shelves are, and borders lead into them.
+/// Pages of voids alone are not stored, though others of their tiles are, and borders lead into them.
 TEST(FinestTolerance, BordersMayEndAmidPagesOfVoids) {
   const Kept kept(hole(ground(700, 500, 4, SampleType::int16, false), 200, 100, 610, 480), SampleType::int16,
                   keeping(5));
@@ -129,6 +129,19 @@ TEST(FinestTolerance, RoundedHeightsAreInTheBoundToo) {
   const Kept kept(ground(310, 290, 9, SampleType::float32, false), SampleType::float32, options);
   Random random(3);
   for (int i = 0; i < 8; ++i) kept.expect_promise(random_region(random, 310, 290), random.log_between(1, 30), 6);
+}
+
+/// Heights that were dropped lie between others, so they are no whole steps, and a multiple of the step rounds them.
+TEST(FinestTolerance, HeightsBetweenStepsAreRoundedWithinTheBound) {
+  const Kept kept(ground(420, 390, 12, SampleType::int16, false), SampleType::int16, keeping(2.5));
+  Random random(4);
+  for (int i = 0; i < 12; ++i) {
+    const GridRect region = random_region(random, 420, 390);
+    const double tolerance = i % 3 == 0 ? 5 : random.log_between(4, 30);
+    for (const Heights heights :
+         {Heights{HeightKind::bounded, Metres{1}}, {HeightKind::bounded, Metres{3}}, {HeightKind::dense, Metres{0}}})
+      kept.expect_promise(region, tolerance, 2.5, heights);
+  }
 }
 
 /// What borders stand on is a matter of the database, not of the rectangle.

@@ -15,7 +15,9 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/page/page_layout.hpp"
 #include "storage/checksum.hpp"
+#include "storage/tile_value.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/older_database.hpp"
 #include "tests/support/random.hpp"
@@ -91,7 +93,7 @@ TEST(PageStore, AgreesWithAMap) {
       std::set<std::uint64_t> tiles;
       for (const auto& [key, page] : pages) {
         // The directories of all tiles count for table 1.
-        const std::uint64_t tile = key.table == 0 ? key.position / kTilePages : key.position;
+        const std::uint64_t tile = value_key(key).position;
         if (table == 1 && is_of_tile(key.table) && tiles.insert(tile).second) bytes += kTileDirectoryBytes;
         if (key.table != table) continue;
         expected.push_back(key.position);
@@ -141,24 +143,24 @@ TEST(PageStore, ATileIsReplacedAsAWhole) {
   const Bytes a = random_bytes(random, 500), b = random_bytes(random, 700);
   {
     PageWriter writer(folder / "a.talus");
-    for (const std::uint64_t i : {0u, 1u, 63u, 64u}) writer.put({0, i}, a);
-    for (const int table : {1, kSliceTable, kRecordTable}) writer.put({table, 0}, a);
+    for (const std::uint64_t i : {0u, 1u, 63u, 64u}) writer.put({0, kSigns + i}, a);
+    for (const int table : {1, kSliceTable, kRecordTable}) writer.put({table, kSigns}, a);
     writer.commit(true);
-    writer.put({kSliceTable, 0}, b, 7);
-    writer.put({0, 1}, b, 7);
+    writer.put({kSliceTable, kSigns}, b, 7);
+    writer.put({0, kSigns + 1}, b, 7);
     writer.finish();
   }
   const ReadTxn txn(PageStore::open(folder / "a.talus"));
-  EXPECT_FALSE(txn.find({0, 0}).has_value());
-  EXPECT_FALSE(txn.find({0, 63}).has_value());
-  EXPECT_EQ(copy(*txn.find({0, 1})), b);
-  EXPECT_EQ(txn.find({0, 1})->generation, 7u);
-  EXPECT_EQ(copy(*txn.find({kSliceTable, 0})), b);
-  EXPECT_EQ(copy(*txn.find({0, 64})), a) << "another tile";
-  EXPECT_TRUE(txn.has({0, 1}));
-  EXPECT_FALSE(txn.has({0, 5})) << "its tile is there, it is not";
-  EXPECT_FALSE(txn.has({1, 0}) || txn.has({kRecordTable, 0}));
-  EXPECT_FALSE(txn.has({0, 128}));
+  EXPECT_FALSE(txn.find({0, kSigns + 0}).has_value());
+  EXPECT_FALSE(txn.find({0, kSigns + 63}).has_value());
+  EXPECT_EQ(copy(*txn.find({0, kSigns + 1})), b);
+  EXPECT_EQ(txn.find({0, kSigns + 1})->generation, 7u);
+  EXPECT_EQ(copy(*txn.find({kSliceTable, kSigns + 0})), b);
+  EXPECT_EQ(copy(*txn.find({0, kSigns + 64})), a) << "another tile";
+  EXPECT_TRUE(txn.has({0, kSigns + 1}));
+  EXPECT_FALSE(txn.has({0, kSigns + 5})) << "its tile is there, it is not";
+  EXPECT_FALSE(txn.has({1, kSigns + 0}) || txn.has({kRecordTable, kSigns + 0}));
+  EXPECT_FALSE(txn.has({0, kSigns + 128}));
 }
 
 TEST(PageStore, WhatWasForgottenIsReadAnew) {
@@ -324,26 +326,42 @@ TEST(PageStore, ChecksumsDifferByTablePositionAndGeneration) {
 
 /// Whatever order its parts are put in, a tile has them in one order: the slice and the page of band 1 first, then the
 /// pages along its west side, those along its north side, the others, and the record.
+/// A page of band 0 belongs to the tile of the page above it, wherever that is.
+TEST(PageStore, ATileHasThePagesBelowItsPageOfBand1) {
+  Random random(17);
+  for (int i = 0; i < 1000; ++i) {
+    const int most = 1 << random.between(1, 28);
+    const PageId tile{1, random.between(-most, most), random.between(-most, most)};
+    for (std::size_t k = 0; k < kTilePages; ++k) {
+      const std::uint64_t page = curve_position(child_page(tile, k));
+      ASSERT_EQ(tile_of(page), curve_position(tile)) << tile.x << '/' << tile.y;
+      ASSERT_EQ(position_in_tile(0, curve_position(tile), page % kTilePages), page);
+    }
+  }
+}
+
 TEST(PageStore, ATileHasItsPartsInTheOrderInWhichTheyAreRead) {
   const TempFolder folder;
+  constexpr std::uint64_t kTile = kSigns | 3;  // at 1/1
+  const auto page_of_tile = [](std::uint64_t i) { return kSigns | 3 << 6 | i; };
   const auto marked = [](std::uint8_t mark) { return Bytes(100, std::byte{mark}); };
   {
     PageWriter writer(folder / "a.talus");
-    writer.put({kRecordTable, 3}, marked(66));
-    for (std::uint64_t i = 64; i-- > 0;) writer.put({0, 3 << 6 | i}, marked(static_cast<std::uint8_t>(100 + i)));
-    writer.put({1, 3}, marked(1));
-    writer.put({kSliceTable, 3}, marked(0));
+    writer.put({kRecordTable, kTile}, marked(66));
+    for (std::uint64_t i = 64; i-- > 0;) writer.put({0, page_of_tile(i)}, marked(static_cast<std::uint8_t>(100 + i)));
+    writer.put({1, kTile}, marked(1));
+    writer.put({kSliceTable, kTile}, marked(0));
     writer.finish();
   }
   const ReadTxn txn(PageStore::open(folder / "a.talus"));
-  const std::byte* const first = txn.find({kSliceTable, 3})->content.data();
+  const std::byte* const first = txn.find({kSliceTable, kTile})->content.data();
   const auto place = [&](PageKey key) { return (txn.find(key)->content.data() - first) / 112; };
-  EXPECT_EQ(place({1, 3}), 1);
+  EXPECT_EQ(place({1, kTile}), 1);
   // On the curve, bits of the column and of the row take turns, the column's first.
   const auto of_page = [&](unsigned x, unsigned y) {
     std::uint64_t at = 0;
     for (unsigned bit = 0; bit < 3; ++bit) at |= (x >> bit & 1u) << 2 * bit | (y >> bit & 1u) << (2 * bit + 1);
-    return place({0, 3 << 6 | at});
+    return place({0, page_of_tile(at)});
   };
   for (unsigned k = 0; k < 8; ++k) {
     EXPECT_EQ(of_page(0, 7 - k), 2 + k);
@@ -351,7 +369,7 @@ TEST(PageStore, ATileHasItsPartsInTheOrderInWhichTheyAreRead) {
   }
   EXPECT_EQ(of_page(1, 1), 17);
   EXPECT_EQ(of_page(7, 7), 65);
-  EXPECT_EQ(place({kRecordTable, 3}), 66);
+  EXPECT_EQ(place({kRecordTable, kTile}), 66);
 }
 
 TEST(PageStore, DamageToATileIsCorruptOrElsewhere) {
