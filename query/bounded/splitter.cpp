@@ -62,7 +62,7 @@ class Splitter {
       : question_(question), quantum_(quantum), fits_(heights == SplitHeights::fitted) {
     const double tolerance = question.tolerance.value;
     // A triangle with data and void may have to be split for its size; the answer at the tolerance decides.
-    if (!finest_.quadtree.covers.empty()) for_its_voids_ = asked_too(question, Metres{tolerance}).vertices;
+    if (has_voids_) for_its_voids_ = asked_too(question, Metres{tolerance}).vertices;
     if (fits_) {
       sides_ = asked_too(question, Metres{tolerance - rounding_of(description_, quantum)}).vertices;
       // Begin with the vertices of a looser answer: missing ones are added, and extra ones do no harm.
@@ -323,7 +323,6 @@ class Splitter {
   /// The largest distance of the triangle's valid samples; stops at the first one that is too far.
   [[nodiscard]] Found farthest(const HalfDiamond& t, const Plane<double>& plane) const {
     Found found;
-    const bool no_voids = finest_.quadtree.covers.empty();
     for (std::int32_t row = t.top(); row <= t.bottom(); ++row) {
       const HalfDiamond::Columns columns = t.columns(row);
       const double start = plane.on_row(row);
@@ -331,7 +330,7 @@ class Splitter {
       const double* values = samples_.values.data() + base;
       const auto count = static_cast<std::size_t>(columns.hi - columns.lo + 1);
       double largest = found.distance;
-      if (no_voids) {
+      if (!has_voids_) {
         for (std::size_t i = 0; i < count; ++i) {
           const double at =
               start + plane.right * static_cast<double>(columns.lo + static_cast<std::int32_t>(i) - plane.col);
@@ -391,6 +390,8 @@ class Splitter {
   Watch& watch_ = question_.watch;
   double left_ = 1;  ///< share of the work that is left, for progress
   SampleWindow samples_ = samples_for(question_, fits_);
+  /// All triangles may hold data, and some a void all the same.
+  bool has_voids_ = std::find(samples_.valid.begin(), samples_.valid.end(), 0) != samples_.valid.end();
   GridRect region_ = question_.region;
   std::int32_t root_ = root_side(description_.extent);
   /// In the vertical unit.

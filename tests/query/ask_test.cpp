@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -234,6 +235,29 @@ TEST_F(Ask, ABudgetIsTheSmallestToleranceThatFitsAndSaysWhatTheSearchCost) {
   EXPECT_EQ(difference(answer.quadtree, now_->ask({.tolerance = found}).quadtree), "");
   EXPECT_GT(now_->ask({.tolerance = Metres{found.value / 1.02}}).quadtree.vertices.size(), 5000u);
   EXPECT_EQ(now_->ask({.tolerance = found}).search.pages_read, 0u) << "nobody searched";
+}
+
+/// Single voids leave no triangle without data. Triangles that hold one are split for their size all the same.
+TEST_F(Ask, HeightsOfEachKindKeepTheOutlineOfSingleVoids) {
+  Terrain flat = plane(129, 129, 0, 0, 0);
+  for (int row = 0; row < 129; row += 8) {
+    for (int col = 0; col < 129; col += 8) flat.make_void(col, row);
+  }
+  make(flat);
+  const auto longest_side = [&](HeightKind kind) {
+    const Question question{.region = extent(), .tolerance = Metres{8}, .heights = {.kind = kind}};
+    const Mesh mesh = triangulate(now_->ask(question).quadtree);
+    double longest = 0;
+    for (const auto& t : mesh.triangles) {
+      const GridPoint a = mesh.points[t[1]], b = mesh.points[t[2]];  // the right angle is first
+      longest = std::max(longest, std::hypot(a.col - b.col, a.row - b.row));
+    }
+    return longest;
+  };
+  const double exact = longest_side(HeightKind::exact);
+  EXPECT_LT(exact, 40);
+  EXPECT_LE(longest_side(HeightKind::bounded), exact);
+  EXPECT_LE(longest_side(HeightKind::fitted), exact);
 }
 
 TEST_F(Ask, OnlyAnAnswerToFromIsAnIncrement) {
