@@ -24,8 +24,7 @@ struct PageKey {
 inline constexpr int kHeaderTable = -1, kRecordTable = 32, kSliceTable = 33;
 
 /// In LMDB each large value takes whole pages of the file. So all that belongs to a tile is one value: the page of band 1
-/// at its position, that page's 64 child pages, its slice and its record. Each of
-/// these is still read and checked alone.
+/// at its position, that page's 64 child pages, its slice and its record. Each of these is still read and checked alone.
 inline constexpr int kTileTable = 0, kLastBandTable = 31;  ///< in LMDB, the first one is that of tiles
 inline constexpr std::size_t kTilePages = 64;              ///< of band 0
 inline constexpr std::size_t kTileDirectoryBytes = 8 + 4 * (kTilePages + 3);

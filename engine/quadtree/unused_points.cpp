@@ -23,45 +23,30 @@ class TrianglesAround {
 
   /// The apex triangles of a vertex are all that is around it. p is no root corner.
   [[nodiscard]] bool any(GridPoint p) const {
-    const Diamond d = diamond(p);
-    for (const GridPoint apex : d.apexes) {
-      for (const GridPoint end : d.ends) {
-        if (any_in({p, apex, end}, p)) return true;
-      }
-    }
-    return false;
+    const auto around = apex_triangles(p);
+    return std::any_of(around.begin(), around.end(), [&](const Triangle& t) { return any_in(t, p); });
   }
 
  private:
-  struct Right {
-    GridPoint corner, one, other;  ///< the right angle and the ends of the hypotenuse
-  };
-  /// Whether a triangle of the mesh lies in this one and has its corner p.
-  [[nodiscard]] bool any_in(Right t, GridPoint p) const {
-    for (;;) {
-      if (spacing(t.corner) == 1 && !is_centre(t.corner)) return is_in_mesh(t);  // a finest triangle
-      const bool is_inside = region_.contains(t.corner) && region_.contains(t.one) && region_.contains(t.other);
-      const GridPoint middle = midpoint(t.one, t.other);
-      // No triangle of the mesh crosses a side of the region.
-      if (is_inside && !mask_.contains(middle)) return is_in_mesh(t);
-      const Right first{middle, t.corner, t.one}, second{middle, t.corner, t.other};
-      if (p == t.corner) return any_in(first, p) || any_in(second, p);
-      t = p == t.one ? first : second;
+  [[nodiscard]] bool is_inside(const Triangle& t) const {
+    return region_.contains(t.apex) && region_.contains(t.left) && region_.contains(t.right);
+  }
+  /// Whether a triangle of the mesh lies in this one and has its corner p. None crosses a side of the region.
+  [[nodiscard]] bool any_in(Triangle t, GridPoint p) const {
+    while (!is_finest(t) && (!is_inside(t) || mask_.contains(midpoint(t.left, t.right)))) {
+      if (p == t.apex) return any_in(left_half(t), p) || any_in(right_half(t), p);
+      t = p == t.left ? left_half(t) : right_half(t);
     }
+    return is_in_mesh(t);
   }
   /// Whether a triangle that is not split holds data.
-  [[nodiscard]] bool is_in_mesh(const Right& t) const {
-    if (!region_.contains(t.corner) || !region_.contains(t.one) || !region_.contains(t.other)) return false;
-    if (!mask_.contains(t.corner)) return false;
-    const Diamond d = diamond(t.corner);
-    for (std::size_t side = 0; side < 2; ++side) {
-      for (std::size_t end = 0; end < 2; ++end) {
-        const GridPoint a = d.apexes[side], b = d.ends[end];
-        if ((a == t.one && b == t.other) || (a == t.other && b == t.one))
-          return (covers_[mask_.rank(t.corner)] >> (2 * side + end) & 1) != 0;
-      }
-    }
-    return false;
+  [[nodiscard]] bool is_in_mesh(const Triangle& t) const {
+    if (!is_inside(t) || !mask_.contains(t.apex)) return false;
+    const auto around = apex_triangles(t.apex);
+    const auto found = std::find_if(around.begin(), around.end(), [&](const Triangle& a) {
+      return (a.left == t.left && a.right == t.right) || (a.left == t.right && a.right == t.left);
+    });
+    return found != around.end() && (covers_[mask_.rank(t.apex)] >> (found - around.begin()) & 1) != 0;
   }
 
   const VertexMask& mask_;

@@ -98,12 +98,12 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
   if (page->generation != expected.value_or(page->generation))
     corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
-  // Fails if the file became shorter meanwhile.
-  // Whoever reads a page has read the page above it, which has the page's generation.
+  // Not counted: whoever reads a page read the page above it before, which says that the page is there.
   const auto other = [&](PageId above) {
     const auto found = txn_.find({above.band, curve_position(above)});
     return found ? found->content : std::span<const std::byte>();
   };
+  // Fails if the file became shorter meanwhile.
   try {
     const Page& decoded =
         (decoder.*decode)(id, manifest_.description.extent, manifest_.bands, distance_, page->content, other);
@@ -115,23 +115,15 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
   }
 }
 
-bool StoredPages::is_worth_reading(std::int32_t threshold, std::int32_t above) const {
-  constexpr double kReach = 16;  // beyond it a slice takes several times as long as the few pages it replaces
-  if (threshold == kNoSlice || threshold > above) return false;
-  const auto metres = [&](std::int32_t counted) {
-    return distance_.is_whole() ? distance_.metres(counted / 8.0) : error_of(static_cast<ErrorCode>(counted));
-  };
-  return threshold == 0 || metres(above) <= kReach * metres(threshold);
+std::optional<std::int32_t> StoredPages::threshold_of_slice(PageId tile) const {
+  const auto content = txn_.unchecked({kSliceTable, curve_position(tile)});
+  if (content.empty()) return std::nullopt;
+  return SliceCoder::threshold_of(content);
 }
 
-const TileSlice* StoredPages::slice(PageId tile, std::uint32_t generation, std::int32_t above, SliceCoder& coder,
-                                    QueryCost& cost) const {
-  if (manifest_.description.finest_tolerance.value > 0) return nullptr;
+const TileSlice& StoredPages::slice(PageId tile, std::uint32_t generation, SliceCoder& coder, QueryCost& cost) const {
   const Stopwatch reading(cost.reading_seconds);
-  const PageKey key{kSliceTable, curve_position(tile)};
-  const std::int32_t threshold = SliceCoder::threshold_of(txn_.unchecked(key));
-  if (txn_.has(key) && !is_worth_reading(threshold, above)) return nullptr;
-  const auto stored = txn_.find(key);
+  const auto stored = txn_.find({kSliceTable, curve_position(tile)});
   const auto corrupt = [&](const std::string& what) {
     fail_in(file_, Cause::corrupt, "corrupt: {}: the slice of tile {}/{} is {}", file_.string(), tile.x, tile.y, what);
   };
@@ -144,7 +136,7 @@ const TileSlice* StoredPages::slice(PageId tile, std::uint32_t generation, std::
   try {
     const TileSlice& slice = coder.decode({tile.x, tile.y}, manifest_.description.extent, distance_, stored->content);
     txn_.require_all_bytes();
-    return &slice;
+    return slice;
   } catch (const Failure&) {
     txn_.require_all_bytes();
     throw;

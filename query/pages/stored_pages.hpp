@@ -50,19 +50,18 @@ class StoredPages {
   [[nodiscard]] bool would_keep(GridRect region) const;
   /// The same for any generation, which it returns. For callers that have not read the parent page.
   [[nodiscard]] const Page& get(PageId id, PageDecoder& decoder, QueryCost& cost, std::uint32_t* generation) const;
-  /// The slice of a tile, whose page of band 1 has this id and generation, if it has all vertices above a threshold that
-  /// counts as this; valid until the coder decodes another slice. Null: it lacks some, or pages are faster. Adds to the
-  /// cost.
+  /// The threshold that the slice of a tile says it has, not checked: good enough to decide whether to read it. Nothing:
+  /// there is none.
+  [[nodiscard]] std::optional<std::int32_t> threshold_of_slice(PageId tile) const;
+  /// The slice of a tile whose page of band 1 has this id and generation; valid until the coder decodes another slice.
+  /// Adds to the cost.
   /// fails  as for a page
-  [[nodiscard]] const TileSlice* slice(PageId tile, std::uint32_t generation, std::int32_t above, SliceCoder& coder,
-                                       QueryCost& cost) const;
+  [[nodiscard]] const TileSlice& slice(PageId tile, std::uint32_t generation, SliceCoder& coder, QueryCost& cost) const;
   /// Reads a page without its errors.
   [[nodiscard]] const Page& get_heights(PageId id, std::uint32_t generation, PageDecoder& decoder,
                                         QueryCost& cost) const;
 
  private:
-  /// Whether a slice with this threshold has all vertices above another one, and not so many more that pages are faster.
-  [[nodiscard]] bool is_worth_reading(std::int32_t threshold, std::int32_t above) const;
   using Decode = decltype(&PageDecoder::decode);
   /// expected  the generation it must have; empty: any, which `generation` receives
   [[nodiscard]] const Page& read(PageId id, std::optional<std::uint32_t> expected, Decode decode, PageDecoder& decoder,

@@ -72,6 +72,9 @@ class RangeQuery {
   static constexpr std::size_t kTasksAThread = 8;
   /// Share of a tile in the region from which on its slice is read. It takes as long as 40 of the tile's 64 pages.
   static constexpr double kWorthSlice = 0.75;
+  /// Tolerance over threshold up to which a slice is read. Beyond it takes several times as long as the few pages that it
+  /// replaces, and saves no bytes (docs/decisions/0014-slices.md).
+  static constexpr double kReachOfSlice = 16;
   static constexpr std::size_t kChildren = std::size_t{kChildrenAcross} * kChildrenAcross;
 
   struct NothingNeeded {
@@ -231,11 +234,22 @@ class RangeQuery {
   /// The slice of the tile of a page of band 1, if it is worth its time and has all vertices above the tolerance. Of
   /// those that the border needs it may lack some.
   [[nodiscard]] const TileSlice* slice_for(const Wanted& wanted, Worker& worker) const {
-    if (wanted.id.band != 1 || !wanted.is_above) return nullptr;
+    if (wanted.id.band != 1 || !wanted.is_above || manifest_.description.finest_tolerance.value > 0) return nullptr;
     const GridRect tile = common(page_square(wanted.id), manifest_.description.extent);
     if (is_empty(tile) || static_cast<double>(area_of(wanted.id)) < kWorthSlice * static_cast<double>(tile.samples()))
       return nullptr;
-    return pages_.slice(wanted.id, wanted.generation, above_.counted(), worker.decoder->slices, worker.cost);
+    const auto threshold = pages_.threshold_of_slice(wanted.id);
+    if (threshold && !is_in_reach(*threshold)) return nullptr;
+    return &pages_.slice(wanted.id, wanted.generation, worker.decoder->slices, worker.cost);
+  }
+  /// Whether a slice with this threshold has all vertices above the tolerance, and not far more.
+  [[nodiscard]] bool is_in_reach(std::int32_t threshold) const {
+    if (threshold == kNoSlice || threshold > above_.counted()) return false;
+    const CodeDistance& distance = pages_.distance();
+    const auto metres = [&](std::int32_t counted) {
+      return distance.is_whole() ? distance.metres(counted / 8.0) : error_of(static_cast<ErrorCode>(counted));
+    };
+    return threshold == 0 || metres(above_.counted()) <= kReachOfSlice * metres(threshold);
   }
 
   /// Selects the vertices of a slice that lie in the region, for which `has` holds, and that are above the tolerance or

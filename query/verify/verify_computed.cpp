@@ -119,7 +119,7 @@ class TileChecks {
       const PageId id = page_at(1, position);
       if (!tiles.contains({id.x, id.y})) findings_.in(id, "its tile has a record, but no samples");
     };
-    pages_.transaction().for_each(kRecordTable, visit, [](std::uint64_t, const Failure&) {});
+    pages_.transaction().for_each(kRecordTable, visit, [](std::uint64_t, const Failure&) {});  // found with its pages
     for (std::int32_t y = tiles.first.row; y <= tiles.last.row; ++y) {
       for (std::int32_t x = tiles.first.col; x <= tiles.last.col; ++x) {
         check({x, y});

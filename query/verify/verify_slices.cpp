@@ -22,7 +22,7 @@ class SliceChecks {
       const auto page = of_band_1.find(position);
       if (!has_slices || page == of_band_1.end() || !page->second.entry.present) find(page_at(1, position), "unknown");
     };
-    pages_.transaction().for_each(kSliceTable, visit, [](std::uint64_t, const Failure&) {});
+    pages_.transaction().for_each(kSliceTable, visit, [](std::uint64_t, const Failure&) {});  // found with its pages
     for (const auto& [position, page] : of_band_1) {
       if (has_slices && page.is_readable && page.entry.present) check(page_at(1, position), page.entry.generation);
     }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -298,6 +299,22 @@ TEST_F(ForgedDatabase, AFillIsFound) {
     forged.hide();
     expect_found(forged, "fill", p);
   }
+}
+
+/// Which of two zeros is the lowest height depends on the order of samples; a record does not.
+TEST(Verify, ZerosOfBothSignsAmidVoidsAreSound) {
+  const TempFolder folder;
+  Terrain terrain(129, 3);
+  std::fill(terrain.valid.begin(), terrain.valid.end(), 0);
+  for (const auto& [col, row, height] : {std::tuple{128, 0, -0.0}, {127, 2, 0.0}}) {
+    terrain.at(col, row) = height;
+    terrain.valid[terrain.index(col, row)] = 1;
+  }
+  RasterOptions options;
+  options.type = SampleType::float32;
+  write_raster(terrain, folder / "a.tif", options);
+  ingest(folder / "a.tif", folder / "a.talus");
+  EXPECT_EQ(verify(Database::open(folder / "a.talus").snapshot()).findings, std::vector<std::string>());
 }
 
 /// A page of band 0 has a check of the heights that it takes from the page above.
