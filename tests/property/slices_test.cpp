@@ -187,7 +187,9 @@ TEST(Slices, GiveTheAnswersOfPagesOfRealModels) {
 /// A finer question does not read the slice in vain, and a much coarser one takes the few pages that it needs.
 TEST(Slices, AreReadWhereTheyAreWorthIt) {
   const TempFolder folder;
-  write_raster(fit(fractal(1024, 1024, 5, 2000), SampleType::int16), folder / "a.tif");
+  Terrain terrain = fit(fractal(1024, 1024, 5, 2000), SampleType::int16);
+  terrain.at(500, 501) += 20000;  // above every tolerance asked for
+  write_raster(terrain, folder / "a.tif");
   ingest(folder / "a.tif", folder / "a.talus");
   const std::vector<double> thresholds = write_without_slices(folder / "a.talus", folder / "b.talus");
   ASSERT_EQ(thresholds.size(), 1u);
