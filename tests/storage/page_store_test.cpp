@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
-#include <map>
 #include <set>
 #include <string>
 #include <thread>
@@ -15,66 +12,15 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/page/page_layout.hpp"
 #include "storage/checksum.hpp"
 #include "storage/tile_value.hpp"
 #include "talus/failure.hpp"
-#include "tests/support/older_database.hpp"
+#include "tests/storage/pages.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/raster_file.hpp"
 
 namespace talus::support {
 namespace {
-
-namespace fs = std::filesystem;
-using Bytes = std::vector<std::byte>;
-using Pages = std::map<PageKey, Bytes>;
-
-Bytes random_bytes(Random& random, std::size_t size) {
-  Bytes bytes(size);
-  for (std::byte& b : bytes) b = static_cast<std::byte>(random.next() & 0xff);
-  return bytes;
-}
-
-Bytes copy(const StoredPage& page) { return {page.content.begin(), page.content.end()}; }
-
-void write(const fs::path& file, const Pages& pages) {
-  PageWriter writer(file);
-  for (const auto& [key, bytes] : pages) writer.put(key, bytes);
-  const std::uint64_t bytes = writer.finish();
-  EXPECT_EQ(bytes, fs::file_size(file));
-}
-
-Pages random_pages(Random& random, int count, int most_bytes) {
-  Pages pages;
-  for (int i = 0; i < count; ++i) {
-    const std::uint64_t position =
-        random.chance(0.5) ? random.next() : static_cast<std::uint64_t>(random.between(0, 300));
-    const auto size =
-        static_cast<std::size_t>(random.chance(0.2) ? random.between(0, 10) : random.between(0, most_bytes));
-    pages[{random.between(kHeaderTable, kSliceTable), position}] = random_bytes(random, size);
-  }
-  return pages;
-}
-
-void expect_holds(const ReadTxn& txn, const Pages& pages) {
-  for (const auto& [key, bytes] : pages) {
-    const auto found = txn.find(key);
-    ASSERT_TRUE(found.has_value()) << "table " << key.table << ", position " << key.position;
-    EXPECT_EQ(copy(*found), bytes);
-  }
-}
-
-Cause cause_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Failure& failure) {
-    EXPECT_STRNE(failure.what(), "");
-    return failure.cause();
-  }
-  ADD_FAILURE() << "did not fail";
-  return Cause{};
-}
 
 // ---- what goes in comes out ------------------------------------------------------------------------
 
@@ -135,32 +81,6 @@ TEST(PageStore, TakesPositionsOutOfOrder) {
     EXPECT_EQ(order.size(), 6u);
     EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
   }
-}
-
-TEST(PageStore, ATileIsReplacedAsAWhole) {
-  const TempFolder folder;
-  Random random(11);
-  const Bytes a = random_bytes(random, 500), b = random_bytes(random, 700);
-  {
-    PageWriter writer(folder / "a.talus");
-    for (const std::uint64_t i : {0u, 1u, 63u, 64u}) writer.put({0, kSigns + i}, a);
-    for (const int table : {1, kSliceTable, kRecordTable}) writer.put({table, kSigns}, a);
-    writer.commit(true);
-    writer.put({kSliceTable, kSigns}, b, 7);
-    writer.put({0, kSigns + 1}, b, 7);
-    writer.finish();
-  }
-  const ReadTxn txn(PageStore::open(folder / "a.talus"));
-  EXPECT_FALSE(txn.find({0, kSigns + 0}).has_value());
-  EXPECT_FALSE(txn.find({0, kSigns + 63}).has_value());
-  EXPECT_EQ(copy(*txn.find({0, kSigns + 1})), b);
-  EXPECT_EQ(txn.find({0, kSigns + 1})->generation, 7u);
-  EXPECT_EQ(copy(*txn.find({kSliceTable, kSigns + 0})), b);
-  EXPECT_EQ(copy(*txn.find({0, kSigns + 64})), a) << "another tile";
-  EXPECT_TRUE(txn.has({0, kSigns + 1}));
-  EXPECT_FALSE(txn.has({0, kSigns + 5})) << "its tile is there, it is not";
-  EXPECT_FALSE(txn.has({1, kSigns + 0}) || txn.has({kRecordTable, kSigns + 0}));
-  EXPECT_FALSE(txn.has({0, kSigns + 128}));
 }
 
 TEST(PageStore, WhatWasForgottenIsReadAnew) {
@@ -260,17 +180,6 @@ TEST(PageStore, FourThreadsReadAtOnce) {
 
 // ---- damage ----------------------------------------------------------------------------------------
 
-Bytes read_file(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-void write_file(const fs::path& file, std::span<const std::byte> bytes) {
-  std::ofstream(file, std::ios::binary | std::ios::trunc)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
 /// A file with one page of known content, and where that lies in it.
 struct Known {
   TempFolder folder;
@@ -322,245 +231,6 @@ TEST(PageStore, ChecksumsDifferByTablePositionAndGeneration) {
   EXPECT_NE(page_checksum({2, 5}, 0, content), page_checksum({2, 6}, 0, content));
   EXPECT_NE(page_checksum({2, 5}, 0, content), page_checksum({2, 5}, 1, content));
   EXPECT_NE(page_checksum({kHeaderTable, 0}, 0, content), page_checksum({0, 0}, 0, content));
-}
-
-/// Whatever order its parts are put in, a tile has them in one order: the slice and the page of band 1 first, then the
-/// pages along its west side, those along its north side, the others, and the record.
-/// A page of band 0 belongs to the tile of the page above it, wherever that is.
-TEST(PageStore, ATileHasThePagesBelowItsPageOfBand1) {
-  Random random(17);
-  for (int i = 0; i < 1000; ++i) {
-    const int most = 1 << random.between(1, 28);
-    const PageId tile{1, random.between(-most, most), random.between(-most, most)};
-    for (std::size_t k = 0; k < kTilePages; ++k) {
-      const std::uint64_t page = curve_position(child_page(tile, k));
-      ASSERT_EQ(tile_of(page), curve_position(tile)) << tile.x << '/' << tile.y;
-      ASSERT_EQ(position_in_tile(0, curve_position(tile), page % kTilePages), page);
-    }
-  }
-}
-
-TEST(PageStore, ATileHasItsPartsInTheOrderInWhichTheyAreRead) {
-  const TempFolder folder;
-  constexpr std::uint64_t kTile = kSigns | 3;  // at 1/1
-  const auto page_of_tile = [](std::uint64_t i) { return kSigns | 3 << 6 | i; };
-  const auto marked = [](std::uint8_t mark) { return Bytes(100, std::byte{mark}); };
-  {
-    PageWriter writer(folder / "a.talus");
-    writer.put({kRecordTable, kTile}, marked(66));
-    for (std::uint64_t i = 64; i-- > 0;) writer.put({0, page_of_tile(i)}, marked(static_cast<std::uint8_t>(100 + i)));
-    writer.put({1, kTile}, marked(1));
-    writer.put({kSliceTable, kTile}, marked(0));
-    writer.finish();
-  }
-  const ReadTxn txn(PageStore::open(folder / "a.talus"));
-  const std::byte* const first = txn.find({kSliceTable, kTile})->content.data();
-  const auto place = [&](PageKey key) { return (txn.find(key)->content.data() - first) / 112; };
-  EXPECT_EQ(place({1, kTile}), 1);
-  // On the curve, bits of the column and of the row take turns, the column's first.
-  const auto of_page = [&](unsigned x, unsigned y) {
-    std::uint64_t at = 0;
-    for (unsigned bit = 0; bit < 3; ++bit) at |= (x >> bit & 1u) << 2 * bit | (y >> bit & 1u) << (2 * bit + 1);
-    return place({0, page_of_tile(at)});
-  };
-  for (unsigned k = 0; k < 8; ++k) {
-    EXPECT_EQ(of_page(0, 7 - k), 2 + k);
-    EXPECT_EQ(of_page(k, 0), 9 + k);
-  }
-  EXPECT_EQ(of_page(1, 1), 17);
-  EXPECT_EQ(of_page(7, 7), 65);
-  EXPECT_EQ(place({kRecordTable, kTile}), 66);
-}
-
-TEST(PageStore, DamageToATileIsCorruptOrElsewhere) {
-  const TempFolder folder;
-  Random random(13);
-  Pages pages;
-  for (const std::uint64_t i : {0, 3, 8, 10, 33, 63}) pages[{0, i}] = random_bytes(random, 400);
-  write(folder / "a.talus", pages);
-  const Bytes whole = read_file(folder / "a.talus");
-  const Bytes& first = pages.begin()->second;
-  const auto found = std::search(whole.begin(), whole.end(), first.begin(), first.end());
-  ASSERT_NE(found, whole.end());
-  const auto page_at = static_cast<std::size_t>(found - whole.begin());
-  const std::size_t tile_at = page_at - kPagePrefixBytes - kTileDirectoryBytes - 2 * (400 + kPagePrefixBytes);
-  for (std::size_t at = tile_at; at < page_at + 400; at += 5) {
-    // Pages 10 and 8 stand before it, at 0/3 and 0/2; their own bytes do not matter to it.
-    if (at >= tile_at + kTileDirectoryBytes && at < page_at - kPagePrefixBytes) continue;
-    Bytes bytes = whole;
-    bytes[at] ^= std::byte{0x40};
-    const fs::path file = folder / ("b" + std::to_string(at));
-    write_file(file, bytes);
-    const ReadTxn txn(PageStore::open(file));
-    EXPECT_EQ(cause_of([&] { static_cast<void>(txn.find({0, 0})); }), Cause::corrupt) << at - tile_at;
-  }
-}
-
-// ---- the seal ----------------------------------------------------------------------------------------
-
-TEST(Seal, AnyChangedByteOfTheFileIsNoticed) {
-  const TempFolder folder;
-  Random random(14);
-  write(folder / "a.talus", random_pages(random, 40, 3000));
-  EXPECT_EQ(check_seal(folder / "a.talus"), "");
-  const Bytes whole = read_file(folder / "a.talus");
-  for (std::size_t at = 0; at < whole.size(); at += 997) {
-    Bytes bytes = whole;
-    bytes[at] ^= std::byte{1};
-    write_file(folder / "b.talus", bytes);
-    EXPECT_NE(check_seal(folder / "b.talus"), "") << at;
-  }
-  for (const std::size_t size : {whole.size() - 1, whole.size() - 32, whole.size() / 2}) {
-    write_file(folder / "b.talus", std::span(whole).first(size));
-    EXPECT_NE(check_seal(folder / "b.talus"), "") << size;
-  }
-  Bytes longer = whole;
-  longer.push_back(std::byte{0});
-  write_file(folder / "b.talus", longer);
-  EXPECT_NE(check_seal(folder / "b.talus"), "");
-}
-
-TEST(Seal, AFileThatIsWrittenAgainIsSealedAgain) {
-  const TempFolder folder;
-  write(folder / "a.talus", {{{1, 1}, Bytes(5000)}});
-  {
-    PageWriter writer(folder / "a.talus");
-    EXPECT_NE(check_seal(folder / "a.talus"), "") << "while it is written";
-    writer.put({1, 2}, Bytes(100));
-    writer.finish();
-  }
-  EXPECT_EQ(check_seal(folder / "a.talus"), "");
-  const ReadTxn txn(PageStore::open(folder / "a.talus"));
-  EXPECT_TRUE(txn.find({1, 1}).has_value());
-  EXPECT_TRUE(txn.find({1, 2}).has_value());
-}
-
-TEST(PageStore, AMissingFileIsNotFoundAndWhatIsNoDatabaseIsCorrupt) {
-  const TempFolder folder;
-  const auto open = [](const fs::path& file) { return cause_of([&] { static_cast<void>(PageStore::open(file)); }); };
-  EXPECT_EQ(open(folder / "none"), Cause::not_found);
-  EXPECT_EQ(open(folder.path()), Cause::corrupt);
-  write_file(folder / "empty", {});
-  EXPECT_EQ(open(folder / "empty"), Cause::corrupt);
-  const std::string text(20000, 'x');
-  write_file(folder / "text", std::as_bytes(std::span(text)));
-  EXPECT_EQ(open(folder / "text"), Cause::corrupt);
-}
-
-/// A small tree with a branch page, large values and several tables.
-Bytes whole_file(const TempFolder& folder) {
-  Random random(8);
-  Pages pages;
-  for (std::uint64_t i = 0; i < 60; ++i) pages[{2, i}] = random_bytes(random, 300);
-  for (std::uint64_t i = 0; i < 5; ++i) pages[{1, i}] = random_bytes(random, 9000);
-  pages[{kHeaderTable, 0}] = random_bytes(random, 700);
-  write(folder / "whole.talus", pages);
-  return read_file(folder / "whole.talus");
-}
-
-/// Before version 3 a database had several tables in its file.
-TEST(PageStore, AFileWithNamedTablesIsOfAnOlderVersion) {
-  const TempFolder folder;
-  const fs::path file = folder / "a.talus";
-  write_older_database(file);
-  try {
-    static_cast<void>(PageStore::open(file));
-    FAIL() << "it was opened";
-  } catch (const Failure& failure) {
-    EXPECT_EQ(failure.cause(), Cause::unsupported);
-    EXPECT_NE(std::string(failure.what()).find("older version"), std::string::npos) << failure.what();
-  }
-}
-
-TEST(Structure, EveryTruncationIsCorrupt) {
-  const TempFolder folder;
-  const Bytes bytes = whole_file(folder);
-  for (std::size_t size = 0; size < bytes.size(); size += size < 300 ? 7 : 1777) {
-    write_file(folder / "cut.talus", std::span(bytes).first(size));
-    EXPECT_FALSE(check_structure(folder / "cut.talus").empty()) << size;
-    EXPECT_EQ(cause_of([&] { static_cast<void>(PageStore::open(folder / "cut.talus")); }), Cause::corrupt) << size;
-  }
-  write_file(folder / "cut.talus", std::span(bytes).first(bytes.size() - 1));
-  EXPECT_EQ(check_structure(folder / "cut.talus"), std::vector<std::string>{}) << "only the seal was cut";
-  EXPECT_NE(check_seal(folder / "cut.talus"), "");
-}
-
-/// The file with a 16-, 32- or 64-bit number changed at a place of a page.
-template <class Int>
-Bytes changed(Bytes bytes, std::size_t page, std::size_t at, Int value) {
-  std::memcpy(&bytes[page * 4096 + at], &value, sizeof value);
-  return bytes;
-}
-
-TEST(Structure, ManglingATreePageIsFound) {
-  const TempFolder folder;
-  const Bytes bytes = whole_file(folder);
-  const auto flags_of = [&](std::size_t page) {
-    std::uint16_t flags = 0;
-    std::memcpy(&flags, &bytes[page * 4096 + 10], sizeof flags);
-    return flags;
-  };
-  const auto refused = [&](const Bytes& damaged) {
-    write_file(folder / "b.talus", damaged);
-    const bool found = !check_structure(folder / "b.talus").empty();
-    if (found) {
-      EXPECT_EQ(cause_of([&] { static_cast<void>(PageStore::open(folder / "b.talus")); }), Cause::corrupt);
-    }
-    return found;
-  };
-  int leaves = 0, branches = 0;
-  for (std::size_t page = 2; page < bytes.size() / 4096; ++page) {
-    const bool leaf = flags_of(page) == 2, branch = flags_of(page) == 1;
-    if (!leaf && !branch) continue;
-    std::uint64_t number = 0;
-    std::memcpy(&number, &bytes[page * 4096], sizeof number);
-    if (number != page) continue;  // inside a large value
-    // Pages of older transactions are left over and free: what the tree does not reach, nobody minds.
-    if (!refused(changed(bytes, page, 0, number + 1))) continue;
-    (leaf ? leaves : branches) += 1;
-    EXPECT_TRUE(refused(changed(bytes, page, 10, static_cast<std::uint16_t>(leaf ? 1 : 2)))) << "another kind of page";
-    EXPECT_TRUE(refused(changed(bytes, page, 12, std::uint16_t{60000}))) << "filled beyond its end";
-    EXPECT_TRUE(refused(changed(bytes, page, 14, std::uint16_t{5000}))) << "nodes from beyond its end";
-    EXPECT_TRUE(refused(changed(bytes, page, 16, std::uint16_t{4094}))) << "a node that hangs out";
-    EXPECT_TRUE(refused(changed(bytes, page, 16, std::uint16_t{0}))) << "a node in the header";
-    EXPECT_TRUE(refused(changed(bytes, page, 12, std::uint16_t{16}))) << "no node at all";
-    std::uint16_t node = 0;
-    std::memcpy(&node, &bytes[page * 4096 + 16], sizeof node);
-    EXPECT_TRUE(refused(changed(bytes, page, node + 6u, std::uint16_t{65000}))) << "a key beyond the page";
-    if (branch) {
-      EXPECT_TRUE(refused(changed(bytes, page, node, std::uint32_t{1}))) << "a pointer to a header";
-      EXPECT_TRUE(refused(changed(bytes, page, node, std::uint32_t{1000000}))) << "a pointer beyond the file";
-      EXPECT_TRUE(refused(changed(bytes, page, node, static_cast<std::uint32_t>(page)))) << "a pointer to itself";
-      EXPECT_TRUE(refused(changed(bytes, page, 12, std::uint16_t{18}))) << "a branch with one arm";
-      std::uint16_t second = 0;
-      std::memcpy(&second, &bytes[page * 4096 + 18], sizeof second);
-      std::uint32_t arm = 0;
-      std::memcpy(&arm, &bytes[page * 4096 + node], sizeof arm);
-      EXPECT_TRUE(refused(changed(bytes, page, second, arm))) << "two arms with one hand";
-    } else {
-      EXPECT_TRUE(refused(changed(bytes, page, node + 4u, std::uint16_t{4}))) << "a node with duplicates";
-      EXPECT_TRUE(refused(changed(bytes, page, node + 4u, std::uint16_t{3}))) << "large and a table at once";
-      EXPECT_TRUE(refused(changed(bytes, page, node, std::uint32_t{0xffffffff}))) << "a value beyond everything";
-    }
-  }
-  EXPECT_GT(leaves, 3);
-  EXPECT_GT(branches, 0);
-}
-
-TEST(Structure, DamagedHeadersAreFound) {
-  const TempFolder folder;
-  const Bytes bytes = whole_file(folder);
-  const auto refused = [&](const Bytes& damaged) {
-    write_file(folder / "b.talus", damaged);
-    EXPECT_EQ(cause_of([&] { static_cast<void>(PageStore::open(folder / "b.talus")); }), Cause::corrupt);
-    return !check_structure(folder / "b.talus").empty();
-  };
-  for (const std::size_t page : {0u, 1u}) {
-    EXPECT_TRUE(refused(changed(bytes, page, 16, std::uint32_t{7}))) << "magic";
-    EXPECT_TRUE(refused(changed(bytes, page, 20, std::uint32_t{9}))) << "version";
-    EXPECT_TRUE(refused(changed(bytes, page, 40, std::uint32_t{100}))) << "page size";
-    EXPECT_TRUE(refused(changed(bytes, page, 10, std::uint16_t{2}))) << "no header";
-  }
 }
 
 TEST(PageWriter, WhatWasCommittedIsThereWhenItIsOpenedAgain) {
