@@ -387,11 +387,9 @@ void StoredErrors::list(const Page& page, ErrorForm form) {
   lists_->here = &found->second;
 }
 
-std::size_t StoredErrors::count() const { return lists_->here->vertices.size(); }
-
-void StoredErrors::places(std::vector<std::uint16_t>& in_square) const {
-  in_square.clear();
-  for (const Vertex& v : lists_->here->vertices) in_square.push_back(v.at);
+void StoredErrors::places(std::vector<std::uint16_t>& found) const {
+  found.clear();
+  for (const Vertex& v : lists_->here->vertices) found.push_back(v.at);
 }
 
 void StoredErrors::put(const std::vector<ErrorCode>& all, Page& page, const CodeDistance& distance,

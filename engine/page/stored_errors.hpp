@@ -31,9 +31,8 @@ class StoredErrors {
 
   /// Lists the vertices of a page in this form. The page has its grid and voids. Other calls are for this page.
   void list(const Page& page, ErrorForm form);
-  [[nodiscard]] std::size_t count() const;
-  /// Where in the square of a dense page they are.
-  void places(std::vector<std::uint16_t>& in_square) const;
+  /// Where their heights are: in the square of a dense page, in the grid of another one.
+  void places(std::vector<std::uint16_t>& found) const;
 
   /// Appends the errors `all` to `out`, and copies them to the page, which is as get() expects it.
   void put(const std::vector<ErrorCode>& all, Page& page, const CodeDistance& distance, std::vector<std::byte>& out);
