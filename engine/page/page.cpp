@@ -22,8 +22,8 @@ ChildEntry joined(const ChildEntry& a, const ChildEntry& b) {
 
 ChildEntry range_of(const Page& page, const HeightStep& step) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
-    if (!page.is_data(i) || page.is_dropped(i, p)) return;
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint) {
+    if (!page.is_data(i) || page.is_dropped(i)) return;
     const double height = step.value(page.height(i));
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);

@@ -63,10 +63,9 @@ struct Page {
   std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
   std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
 
-  /// Heights of own vertices with error 0 are not stored, except near the border: they lie on the surface of the
-  /// others, and KeptHeights computes them. Decoded, they are unspecified. Such a page is never dense.
-  bool drops_heights = false;
-  GridRect extent{{0, 0}, {-1, -1}};  ///< extent of the database, whose border matters if heights are dropped
+  /// Decoded: all heights and errors are those of the slice of its tile. Other heights are unspecified, other errors 0.
+  bool is_sliced = false;
+  SquareBits held{};  ///< sliced: the samples of the square that the slice has
 
   [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const { return grid.index(col, row); }
   [[nodiscard]] std::size_t index(GridPoint p) const {
@@ -75,10 +74,8 @@ struct Page {
   }
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
   [[nodiscard]] bool is_data(std::size_t i) const { return valid.empty() || valid[i] != 0; }
-  /// Sample i, at p, of a page with errors, encoded or decoded.
-  [[nodiscard]] bool is_dropped(std::size_t i, GridPoint p) const {
-    return drops_heights && errors[i] == 0 && is_own(p) && !is_near_border(p, extent);
-  }
+  /// Whether the height of sample i was not stored.
+  [[nodiscard]] bool is_dropped(std::size_t i) const { return is_sliced && !has(held, in_square(i)); }
 
   /// The height code of sample i.
   [[nodiscard]] double height(std::size_t i) const {

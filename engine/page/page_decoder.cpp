@@ -6,6 +6,7 @@
 #include "engine/page/corner_numbers.hpp"
 #include "engine/page/page_codec.hpp"
 #include "engine/page/page_parts.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "engine/page/whole_bytes.hpp"
 
 namespace talus {
@@ -54,8 +55,17 @@ struct HeightsAbove {
   }
 };
 
+/// The last slice.
+struct SliceInHand {
+  SliceCoder coder;
+  TileId tile;
+  std::uint64_t digest = 0;
+  const TileSlice* slice = nullptr;  ///< null: none
+};
+
 struct PageDecoder::Scratch : PageWorkspace {
   HeightsAbove above;
+  std::optional<SliceInHand> in_slice;
   bool is_decoded = false;  ///< the page, and `above` has not taken it yet
   bool corners_differ = false;
   NumberReader in;
@@ -69,15 +79,16 @@ struct PageDecoder::Scratch : PageWorkspace {
   void begin(PageId id, GridRect extent, int bands);
   void get_head(std::span<const std::byte> bytes, const CodeDistance& distance);
   /// Everything except errors that follow from heights or are stored after them.
-  void get_most(const CodeDistance& distance);
+  void get_most(GridRect extent, const CodeDistance& distance, const BytesOf& other);
   void get_heights();
+  void get_from_slice(GridRect extent, const CodeDistance& distance, const BytesOf& other);
   template <class T>
   void get_square(std::span<T> square, DenseNumbers<T>& coder);
   /// Takes the corners of a page of band 0 from the page above. Returns the bytes that were read; 0: it is another page.
   template <class T>
   std::size_t take_corner_numbers(std::span<T> square);
   void decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
-                      std::span<const std::byte> bytes);
+                      std::span<const std::byte> bytes, const BytesOf& other);
   /// Reads the page above for its heights.
   void read_above(PageId id, GridRect extent, int bands, const CodeDistance& distance, const BytesOf& other);
   template <class T>
@@ -95,9 +106,8 @@ void PageDecoder::Scratch::begin(PageId id, GridRect extent, int bands) {
   page.id = id;
   page.bands = bands;
   page.grid = page_grid(id, extent);
-  page.extent = extent;
   page.is_dense = false;
-  page.drops_heights = false;
+  page.is_sliced = false;
   page.heights.clear();
   page.errors.clear();
   page.coded.clear();
@@ -119,14 +129,16 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
       ((head.has(kHasVoids) || head.has(kInnerCoversFollow)) && !head.has(kHasCovers)))
     corrupt("its flags contradict each other");
   if (head.has(kHasChildren) != (page.id.band > 0)) corrupt("child entries are missing, or a page of band 0 has some");
-  if (head.has(kCornersAbove) && (page.id.band > 0 || head.has(kDropsHeights)))
+  if (head.has(kCornersAbove) && (page.id.band > 0 || head.has(kInSlice)))
     corrupt("its heights cannot be those of the page above");
+  if (head.has(kInSlice) && (page.id.band > 1 || page.id.band == page.bands - 1 || distance.is_whole()))
+    corrupt("it cannot be in a slice");
   head.width = static_cast<unsigned>(whole_at(bytes, 6, 2));
   if (head.width != 2 && head.width != 4 && head.width != 8) corrupt("its numbers have an unknown width");
   head.base = static_cast<std::int64_t>(whole_at(bytes, 8, 8));
   const bool is_implied = byte(3) != 0, is_of_whole = byte(3) == 2 || byte(3) >= 4;
   head.errors = static_cast<ErrorForm>(byte(3));
-  if (byte(3) > 5 || (is_implied && (page.id.band > 0 || page.grid.size() == 0 || head.has(kDropsHeights))) ||
+  if (byte(3) > 5 || (is_implied && (page.id.band > 0 || page.grid.size() == 0 || head.has(kInSlice))) ||
       (is_of_whole && (head.coding != Coding::whole || head.width > 4)) ||
       (byte(3) >= 4 && (distance.is_whole() != (head.errors == ErrorForm::dense) || head.width != 2 ||
                         head.base > kLargestDenseBase || head.base < -kLargestDenseBase)))
@@ -137,6 +149,9 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
   head.error_bytes = whole_at(bytes, 20, 4);
   const std::size_t rest = bytes.size() - kPageHead;
   if (head.height_bytes > rest || head.error_bytes > rest - head.height_bytes) corrupt("it is shorter than its parts");
+  if (head.has(kInSlice) &&
+      (head.coding != Coding::whole || head.width != 2 || head.height_bytes + head.error_bytes > 0))
+    corrupt("it is in a slice, but has heights or errors");
   height_bytes = bytes.subspan(kPageHead, head.height_bytes);
   error_bytes = bytes.subspan(kPageHead + head.height_bytes, head.error_bytes);
   const auto numbers = bytes.subspan(kPageHead + head.height_bytes + head.error_bytes);
@@ -144,10 +159,10 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
   if (head.has_numbers()) in.start(numbers);
 }
 
-void PageDecoder::Scratch::get_most(const CodeDistance& distance) {
+void PageDecoder::Scratch::get_most(GridRect extent, const CodeDistance& distance, const BytesOf& other) {
   const std::size_t n = page.grid.size();
   page.is_dense = head.errors >= ErrorForm::dense;
-  page.drops_heights = head.has(kDropsHeights);
+  page.is_sliced = head.has(kInSlice);
   page.base = head.base;
   if (head.has(kHasVoids)) {
     page.valid.resize(n);
@@ -160,13 +175,43 @@ void PageDecoder::Scratch::get_most(const CodeDistance& distance) {
       corrupt("the triangles around a vertex are impossible");
   }
   if (head.has(kHasChildren) && !get_children(page.children, in)) corrupt("its child entries are wrong");
-  if (page.drops_heights) {
-    page.errors.assign(n, 0);
-    stored.list(page, ErrorForm::none);
-    if (!stored.get(error_bytes, page, distance)) corrupt(kWrongErrors);
-  }
   mark_needed(page);
-  get_heights();
+  page.is_sliced ? get_from_slice(extent, distance, other) : get_heights();
+}
+
+void PageDecoder::Scratch::get_from_slice(GridRect extent, const CodeDistance& distance, const BytesOf& other) {
+  if (!in_slice) in_slice.emplace();
+  SliceInHand& from = *in_slice;
+  const TileId tile = tile_with(page.id);
+  const auto digest = static_cast<std::uint64_t>(head.base);
+  if (from.slice == nullptr || !(from.tile == tile) || from.digest != digest) {
+    from.slice = nullptr;
+    const auto bytes = other ? other({1, tile.x, tile.y}, Content::slice) : std::span<const std::byte>();
+    if (bytes.empty()) corrupt("the slice of its tile is missing");
+    if (digest_of_slice(bytes) != digest) corrupt("it was written beside another slice");
+    const TileSlice& slice = from.coder.decode(tile, extent, distance, bytes);
+    if (slice.above == kNoSlice) corrupt("the slice of its tile holds nothing");
+    from.tile = tile, from.digest = digest, from.slice = &slice;
+  }
+  const TileSlice& slice = *from.slice;
+  page.heights.assign(page.grid.size(), 0);
+  page.errors.assign(page.grid.size(), 0);
+  page.held = {};
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+    const std::uint32_t place = place_in_tile(p);
+    if (spacing(p) >= kBlockSide) {
+      page.heights[i] = slice.posts[place / kTileSide / kBlockSide * kTileBlocks + place % kTileSide / kBlockSide];
+    } else if (from.coder.has(place)) {
+      const std::size_t at = from.coder.index_of(place);
+      page.heights[i] = slice.heights[at];
+      if (page.is_own(p) && slice.errors[at] > slice.above) page.errors[i] = static_cast<ErrorCode>(slice.errors[at]);
+    } else {
+      const bool is_needed = needed.empty() || needed[i] != 0;
+      if (is_needed && page.is_own(p) && is_near_border(p, extent)) corrupt("a height near the border is missing");
+      return;
+    }
+    insert(page.held, page.in_square(i));
+  });
 }
 
 template <class T>
@@ -255,26 +300,27 @@ void PageDecoder::Scratch::get_dense_errors(const CodeDistance& distance) {
 void PageDecoder::Scratch::get_other_errors(const CodeDistance& distance) {
   if (head.errors == ErrorForm::whole) copy_whole(head.width);
   errors_of.imply(head.errors, whole_square, page);
-  if (page.drops_heights) return;
+  if (page.is_sliced) return;
   page.errors.assign(page.grid.size(), 0);
   stored.list(page, head.errors);
   if (!stored.get(error_bytes, page, distance)) corrupt(kWrongErrors);
 }
 
 void PageDecoder::Scratch::decode_heights(PageId id, GridRect extent, int bands, const CodeDistance& distance,
-                                          std::span<const std::byte> bytes) {
+                                          std::span<const std::byte> bytes, const BytesOf& other) {
   begin(id, extent, bands);
   get_head(bytes, distance);
-  get_most(distance);
+  get_most(extent, distance, other);
 }
 
 void PageDecoder::Scratch::read_above(PageId id, GridRect extent, int bands, const CodeDistance& distance,
                                       const BytesOf& other) {
   const PageId parent = parent_page(id);
-  const std::span<const std::byte> bytes = other ? other(parent) : std::span<const std::byte>();
+  const std::span<const std::byte> bytes = other ? other(parent, Content::page) : std::span<const std::byte>();
   page.id = id;
   if (bytes.empty()) corrupt("the page above it is missing");
-  decode_heights(parent, extent, bands, distance, bytes);
+  decode_heights(parent, extent, bands, distance, bytes, {});
+  if (page.is_sliced) corrupt("the page above it has no heights of its own");
   above.take(page);
 }
 
@@ -288,16 +334,16 @@ const Page& PageDecoder::decode_heights(PageId id, GridRect extent, int bands, c
     if (was_last) s.above.take(s.page);
     s.is_decoded = false;
     if (!(s.above.id == parent)) s.read_above(id, extent, bands, distance, other);
-    s.decode_heights(id, extent, bands, distance, bytes);
+    s.decode_heights(id, extent, bands, distance, bytes, other);
     if (s.corners_differ) {  // perhaps it was the page above in another snapshot
       s.read_above(id, extent, bands, distance, other);
-      s.decode_heights(id, extent, bands, distance, bytes);
+      s.decode_heights(id, extent, bands, distance, bytes, other);
     }
     if (s.corners_differ) s.corrupt("it was written beside another page above it");
     return s.page;
   }
   s.is_decoded = false;
-  s.decode_heights(id, extent, bands, distance, bytes);
+  s.decode_heights(id, extent, bands, distance, bytes, other);
   s.is_decoded = true;
   return s.page;
 }

@@ -47,16 +47,13 @@ struct PageEncoder::Scratch : PageWorkspace {
   NumberWriter out;
   DenseSquares dense;
 
-  /// Copies the page without the heights that the reader does not have yet when it reads errors.
+  /// Copies the page as the reader has it when it reads errors.
   void begin(const Page& given) {
     page.id = given.id;
     page.bands = given.bands;
     page.grid = given.grid;
-    page.drops_heights = given.drops_heights;
-    page.extent = given.extent;
     page.valid = given.valid;
-    page.heights.clear();
-    if (!page.drops_heights) page.heights = given.heights;
+    page.heights = given.heights;
     page.eighths.clear();
     page.distances.clear();
     page.errors.assign(given.grid.size(), 0);
@@ -67,6 +64,7 @@ struct PageEncoder::Scratch : PageWorkspace {
 
   /// Chooses coding, base and width, and leaves the numbers in `numbers`. Returns whether they are narrow.
   bool choose_numbers(const Page& given, PageHead& head);
+  void put_voids_and_children(const Page& given, PageHead& head);
   void put_heights(const PageHead& head);
   template <class T>
   void put_square(std::vector<T>& square, DenseNumbers<T>& coder, bool corners_above);
@@ -141,6 +139,19 @@ void PageEncoder::Scratch::put_heights(const PageHead& head) {
   with_square(head.width, [&](auto& square, auto& coder) { put_square(square, coder, head.has(kCornersAbove)); });
 }
 
+void PageEncoder::Scratch::put_voids_and_children(const Page& given, PageHead& head) {
+  const auto flag = [&](bool is_set, unsigned which) { head.flags |= is_set ? which : 0; };
+  flag(!given.valid.empty(), kHasVoids);
+  flag(!given.covers.empty(), kHasCovers);
+  flag(!given.children.empty(), kHasChildren);
+  if (!given.valid.empty()) put_voids(given.grid, given.valid, kVoidsFrom, out);
+  if (!given.covers.empty()) {
+    flag(put_covers(given.id, given.bands, given.grid, given.valid, given.covers, kCoversFrom, out),
+         kInnerCoversFollow);
+  }
+  if (!given.children.empty()) put_children(given.children, out);
+}
+
 // ---- errors ------------------------------------------------------------------------------------------
 
 bool PageEncoder::Scratch::gives_errors_of(const Page& given, ErrorForm form, const CodeDistance& distance) {
@@ -191,7 +202,7 @@ bool PageEncoder::Scratch::is_exact(const Page& given) const {
 ErrorForm PageEncoder::Scratch::find_implied(const Page& given, const PageHead& head, bool is_narrow,
                                              const CodeDistance& distance) {
   const auto fits = [&](ErrorForm form) { return gives_errors_of(given, form, distance); };
-  if (given.id.band == 0 && !given.heights.empty() && !given.drops_heights) {
+  if (given.id.band == 0 && !given.heights.empty()) {
     if (head.coding == Coding::whole && is_narrow) {
       copy_whole(head.width);
       if (fits(ErrorForm::whole)) {
@@ -211,17 +222,14 @@ ErrorForm PageEncoder::Scratch::find_implied(const Page& given, const PageHead& 
 // ---- the page ----------------------------------------------------------------------------------------
 
 std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance& distance, bool above) {
-  assert(!above || (page.id.band == 0 && !page.drops_heights));
+  assert(!above || page.id.band == 0);
   Scratch& s = *scratch_;
   s.mark_needed(page);
   PageHead head;
   head.flags = above ? unsigned{kCornersAbove} : 0;
   const bool is_narrow = s.choose_numbers(page, head);
   s.begin(page);
-  if (!page.valid.empty()) put_voids(page.grid, page.valid, kVoidsFrom, s.out);
-  const bool inner_follow =
-      !page.covers.empty() && put_covers(page.id, page.bands, page.grid, page.valid, page.covers, kCoversFrom, s.out);
-  if (!page.children.empty()) put_children(page.children, s.out);
+  s.put_voids_and_children(page, head);
   s.put_heights(head);
   head.errors = s.find_implied(page, head, is_narrow, distance);
   s.stored.list(s.page, head.errors);
@@ -230,12 +238,6 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   } else {
     s.stored.put(page.errors, s.page, distance, s.errors);
   }
-  const auto flag = [&](bool is_set, unsigned which) { head.flags |= is_set ? which : 0; };
-  flag(!page.valid.empty(), kHasVoids);
-  flag(!page.covers.empty(), kHasCovers);
-  flag(!page.children.empty(), kHasChildren);
-  flag(inner_follow, kInnerCoversFollow);
-  flag(page.drops_heights, kDropsHeights);
   head.height_bytes = s.heights.size();
   head.error_bytes = s.errors.size();
   std::vector<std::byte> bytes;
@@ -243,6 +245,19 @@ std::vector<std::byte> PageEncoder::encode(const Page& page, const CodeDistance&
   put_head(head, page.grid, bytes);
   bytes.insert(bytes.end(), s.heights.begin(), s.heights.end());
   bytes.insert(bytes.end(), s.errors.begin(), s.errors.end());
+  if (head.has_numbers()) s.out.finish(bytes);
+  return bytes;
+}
+
+std::vector<std::byte> PageEncoder::encode_in_slice(const Page& page, std::uint64_t digest) {
+  Scratch& s = *scratch_;
+  PageHead head;
+  head.flags = kInSlice;
+  head.base = static_cast<std::int64_t>(digest);
+  s.out.clear();
+  s.put_voids_and_children(page, head);
+  std::vector<std::byte> bytes;
+  put_head(head, page.grid, bytes);
   if (head.has_numbers()) s.out.finish(bytes);
   return bytes;
 }

@@ -52,14 +52,10 @@ CodesOfEighths EighthsAsCodes::in(const CodeDistance& distance) {
 
 void PageWorkspace::mark_needed(const Page& of) {
   needed.clear();
-  if (of.valid.empty() && !of.drops_heights) return;
+  if (of.valid.empty()) return;
   needed.assign(of.grid.size(), 1);
   for (std::size_t i = 0; i < of.valid.size(); ++i)
     needed[i] = of.valid[i] != 0 || (!of.covers.empty() && of.covers[i] != 0) ? 1 : 0;
-  if (!of.drops_heights) return;
-  for_each_sample(of.grid, [&](std::size_t i, GridPoint p) {
-    if (of.is_dropped(i, p)) needed[i] = 0;
-  });
 }
 
 const SquareBits* PageWorkspace::stored_samples() {

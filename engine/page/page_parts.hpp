@@ -30,7 +30,7 @@ enum PageFlag : std::uint8_t {
   kHasCovers = 2,
   kHasChildren = 4,
   kInnerCoversFollow = 8,
-  kDropsHeights = 16,
+  kInSlice = 16,
   kCornersAbove = 32,
   kAllPageFlags = 63
 };
@@ -40,8 +40,8 @@ struct PageHead {
   Coding coding = Coding::whole;
   unsigned flags = 0;
   ErrorForm errors = ErrorForm::none;
-  unsigned width = 2;  ///< bytes of a number: 2, 4 or 8
-  std::int64_t base = 0;
+  unsigned width = 2;                             ///< bytes of a number: 2, 4 or 8
+  std::int64_t base = 0;                          ///< of a page in a slice: digest_of_slice
   std::size_t height_bytes = 0, error_bytes = 0;  ///< of the parts after the head
 
   [[nodiscard]] bool has(PageFlag flag) const { return (flags & flag) != 0; }
@@ -137,8 +137,7 @@ struct PageWorkspace {
   EighthsAsCodes eighths_as_codes;
   detail::SortedSquare heights_in_eighths;
 
-  /// Marks in `needed` the samples whose heights are stored: valid ones, and corners of triangles with data, that are
-  /// not dropped. Empty: all.
+  /// Marks in `needed` the samples whose heights are stored: valid ones, and corners of triangles with data. Empty: all.
   void mark_needed(const Page& of);
   /// The same in the square; null: all.
   [[nodiscard]] const SquareBits* stored_samples();

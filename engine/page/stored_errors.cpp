@@ -311,7 +311,7 @@ List list_of(const Page& page, ErrorForm form, const SquareBits& implied, const 
       const At step = to_end(p, s, centre), a{p.col - step.col, p.row - step.row},
                b{p.col + step.col, p.row + step.row};
       // A stored side midpoint of spacing 1 beside implied ones has no valid apex: perhaps no triangle with data.
-      const bool ends_count = !page.drops_heights && (form == ErrorForm::none || k > 0);
+      const bool ends_count = form == ErrorForm::none || k > 0;
       if (ends_count && has_at(data, p) && has_at(data, a) && has_at(data, b))
         v.to_end = static_cast<std::int16_t>(step.row * stride + step.col);
       if (k > 0) {
@@ -352,7 +352,7 @@ SquareBits implied_in(ErrorForm form, const SquareBits& data) {
 
 /// Pages of one shape without voids share a list.
 struct StoredErrors::Lists {
-  using Shape = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t, ErrorForm, bool, bool>;
+  using Shape = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t, ErrorForm, bool>;
   std::map<Shape, List> of_shapes;
   List other;
   const List* here = &other;
@@ -377,8 +377,7 @@ void StoredErrors::list(const Page& page, ErrorForm form) {
                            page.grid.cols,
                            page.grid.rows,
                            form,
-                           page.id.band == page.bands - 1,
-                           page.drops_heights};
+                           page.id.band == page.bands - 1};
   auto found = lists_->of_shapes.find(shape);
   if (found == lists_->of_shapes.end()) {
     if (lists_->of_shapes.size() >= kMostShapes) lists_->of_shapes.clear();

@@ -41,7 +41,7 @@ class StoredErrors {
 
   /// Reads what put() wrote.
   ///
-  /// page     has the heights, unless it drops some, and the errors that follow from them; codes are 0
+  /// page     has the heights, and the errors that follow from them; codes are 0
   /// returns  whether these are such bytes, and all of them
   [[nodiscard]] bool get(std::span<const std::byte> bytes, Page& page, const CodeDistance& distance) const;
   [[nodiscard]] bool get(std::span<const std::byte> bytes, DenseSquares& squares, CodesOfEighths codes) const;

@@ -9,25 +9,14 @@
 
 #include "engine/error/vertex_error.hpp"
 #include "engine/error/voids.hpp"
-#include "engine/page/page_layout.hpp"
+#include "engine/page/tile_layout.hpp"
 
 namespace talus {
 
-/// A tile is the square of a page of band 1. It computes the vertices of bands 0 and 1 with spacing below kBlockSide.
-inline constexpr int kTileShift = kPageShift + kBandLevels;
-inline constexpr std::int32_t kTileSide = std::int32_t{1} << kTileShift;
-inline constexpr std::int32_t kTileBlocks = kTileSide / kBlockSide;  ///< along a side: 16
-/// Levels that a tile computes: spacings 1 … 32.
-inline constexpr int kTileLevels = kBlockShift;
 /// Cells around a tile that its results depend on. The descendants of its vertices and their diamonds lie within one
 /// block of it: a centre of spacing 32, 32 cells inside, reaches 96 cells; a side midpoint on the tile's side, 64.
 /// Their fills reach kFillReach farther.
 inline constexpr std::int32_t kHalo = kBlockSide + kFillReach;
-
-struct TileId {
-  std::int32_t x = 0, y = 0;  ///< in tile sides, signed
-  friend constexpr bool operator==(TileId, TileId) = default;
-};
 
 /// The tile with the first row and column of the next tiles: each half-diamond of spacing 64 … 512 lies in exactly one.
 [[nodiscard]] constexpr GridRect closed_tile(TileId id) {

@@ -4,7 +4,7 @@
 
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_codec.hpp"
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "ingest/job/plan.hpp"
 #include "ingest/job/stored_bytes.hpp"
@@ -32,7 +32,7 @@ class Check {
         extent_(d.extent),
         bands_(band_count(d.extent)),
         distance_(d),
-        keeps_all_(d.finest_tolerance.value == 0),
+        keeps_all_(d.kept_above().value == 0),
         tell_(tell) {}
 
   void run() {
@@ -79,7 +79,7 @@ class Check {
     const Found found = decoded(id);
     if (found.generation != summary.entry.generation)
       refuse(fmt::format("{} and the record of its tile are from different updates", name(id)));
-    if (keeps_all_) slice(id, found.generation);
+    if (keeps_all_ || found.page.is_sliced) slice(id, found.generation);
     const auto children = found.page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {
       const PageId below = child_page(id, i);

@@ -6,10 +6,11 @@
 
 namespace talus {
 
-/// The content of pages of a file. The transaction must live longer.
+/// The content of pages and slices of a file. The transaction must live longer.
 [[nodiscard]] inline PageDecoder::BytesOf content_in(const ReadTxn& txn) {
-  return [&txn](PageId id) {
-    const auto stored = txn.find({id.band, curve_position(id)});
+  return [&txn](PageId id, PageDecoder::Content what) {
+    const int table = what == PageDecoder::Content::slice ? kSliceTable : id.band;
+    const auto stored = txn.find({table, curve_position(id)});
     return stored ? stored->content : std::span<const std::byte>();
   };
 }

@@ -12,6 +12,10 @@ using Entries = std::unordered_map<std::uint64_t, ChildEntry>;
 /// A slice has at most this share of the vertices of its tile.
 constexpr double kShareOfSlice = 0.021;
 
+/// If only the vertices of a tolerance are kept, a tile is a slice if that takes at most this share of the bytes of its
+/// pages. Pages are read several times as fast.
+constexpr double kWorthSlice = 0.9;
+
 /// The triangles of p that leave the extent. No mesh has them. Their bits are 1, so that pages without voids store
 /// none.
 std::uint8_t leaving(GridRect extent, GridPoint p) {
@@ -34,7 +38,6 @@ std::uint8_t leaving(GridRect extent, GridPoint p) {
 void begin_page(Page& page, PageId id, const PageMaking& making, bool voids) {
   page.id = id;
   page.bands = making.bands;
-  page.extent = making.extent;
   page.grid = page_grid(id, making.extent);
   page.heights.resize(page.grid.size());
   page.errors.assign(page.grid.size(), 0);
@@ -88,36 +91,17 @@ void with_children(Page& page, ChildEntry& entry, const Entries& below) {
   }
 }
 
-/// The page without heights that the finest answer does not need.
-Page with_kept_heights(const Page& page, const PageMaking& making) {
-  Page kept = page;
-  kept.drops_heights = true;
-  const ErrorCode dropped = largest_code_within(making.kept_above);
-  for (ErrorCode& error : kept.errors) error = error > dropped ? error : ErrorCode{0};
-  return kept;
-}
-
-ErrorCode largest_error(const Page& page) {
-  ErrorCode largest = *std::max_element(page.errors.begin(), page.errors.end());
-  for (const ChildEntry& child : page.children) largest = std::max(largest, child.largest);
-  return largest;
-}
-
 PageBytes bytes_of(PageEncoder& encoder, const Page& page, ChildEntry& entry, const PageMaking& making) {
-  const bool above = page.id.band == 0 && making.kept_above == 0;
-  PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance, above), 0};
-  // Errors that no longer follow from heights may need more bytes than the heights saved.
-  if (making.kept_above > 0 && page.grid.size() > 0) {
-    const Page kept = with_kept_heights(page, making);
-    std::vector<std::byte> content = encoder.encode(kept, making.distance);
-    if (content.size() < made.content.size()) {
-      made.content = std::move(content);
-      entry.largest = largest_error(kept);
-    }
-  }
+  PageBytes made{{page.id.band, curve_position(page.id)}, encoder.encode(page, making.distance, page.id.band == 0), 0};
   made.generation = making.generation(made.key, made.content);
   entry.generation = made.generation;
   return made;
+}
+
+std::size_t bytes_in(const std::vector<PageBytes>& pages) {
+  std::size_t bytes = 0;
+  for (const PageBytes& page : pages) bytes += page.content.size();
+  return bytes;
 }
 
 struct ValidRange {
@@ -222,7 +206,7 @@ class TilePacker {
     made_.summary.entry = entry;
     made_.summary.errors = histogram_.above_rungs();
     keep_posts(page);
-    if (entry.present && making_.kept_above == 0) make_slice(entry.generation);
+    if (entry.present) making_.kept_above == 0 ? make_slice(entry.generation) : keep_in_slice();
     return std::move(made_);
   }
 
@@ -330,19 +314,68 @@ class TilePacker {
     const CodeDistance& distance = making_.distance;
     TileSlice slice;
     slice.above = made_.summary.errors[rung] > most ? kNoSlice : distance.counted_within(error_rung(rung));
-    const auto above = [&](PageId) { return std::span<const std::byte>(made_.pages.back().content); };
     for (const PageBytes& page : made_.pages) {
       if (slice.above == kNoSlice) break;
       const PageId id = page_at(page.key.table, page.key.position);
-      if (id.band > 0 || making_.border->is_near(page_square(id)) ||
-          distance.counted(largest_.at(page.key.position)) > slice.above) {
-        slice.take(memory_.decoder.decode(id, making_.extent, making_.bands, distance, page.content, above), distance,
-                   *making_.border);
+      const bool is_beside_border = making_.border->is_near(page_square(id));
+      if (id.band > 0 || is_beside_border || distance.counted(largest_.at(page.key.position)) > slice.above) {
+        slice.take(decoded(page), distance,
+                   [&](GridPoint p) { return is_beside_border && making_.border->contains(p); });
       }
     }
+    put_slice(slice, generation);
+  }
+
+  /// Replaces the pages by a slice of the vertices that are kept, if that takes fewer bytes. The pages are left with their
+  /// voids and child entries.
+  void keep_in_slice() {
+    TileSlice slice;
+    slice.above = making_.distance.counted_within(making_.kept_above);
+    slice.is_all = true;
+    for (const PageBytes& page : made_.pages)
+      slice.take(decoded(page), making_.distance, [&](GridPoint p) { return is_near_border(p, making_.extent); });
+    slice.add_missing_parents(id_, making_.extent);
+    put_slice(slice, 0);
+    const std::vector<std::byte>& content = made_.slice->content;
+    if (SliceCoder::threshold_of(content) == kNoSlice ||
+        static_cast<double>(content.size()) > kWorthSlice * static_cast<double>(bytes_in(made_.pages))) {
+      made_.slice.reset();
+      return;
+    }
+    const std::uint64_t digest = digest_of_slice(content);
+    std::unordered_map<std::uint64_t, ErrorCode> largest;  // kept, by place on the curve
+    for (PageBytes& bytes : made_.pages) {
+      const Page& page = decoded(bytes);
+      Page left;
+      left.id = page.id, left.bands = page.bands, left.grid = page.grid;
+      left.valid = page.valid, left.covers = page.covers, left.children = page.children;
+      ErrorCode most = 0;
+      for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+        if (page.is_own(p)) most = std::max(most, page.error(i, making_.distance));
+      });
+      if (most <= slice.above) most = 0;
+      for (std::size_t i = 0; i < left.children.size(); ++i) {
+        ChildEntry& child = left.children[i];
+        if (child.present) child.largest = largest.at(curve_position(child_page(page.id, i)));
+        most = std::max(most, child.largest);
+      }
+      largest.emplace(bytes.key.position, most);
+      bytes.content = memory_.encoder.encode_in_slice(left, digest);
+      if (page.id.band == 1) made_.summary.entry.largest = most;
+    }
+  }
+
+  void put_slice(const TileSlice& slice, std::uint32_t generation) {
     made_.slice = PageBytes{{kSliceTable, curve_position({1, id_.x, id_.y})},
                             memory_.slices.encode(id_, making_.extent, making_.distance, slice),
                             generation};
+  }
+
+  /// A page as it was made. The last one is that of band 1.
+  const Page& decoded(const PageBytes& page) {
+    return memory_.decoder.decode(
+        page_at(page.key.table, page.key.position), making_.extent, making_.bands, making_.distance, page.content,
+        [&](PageId, PageDecoder::Content) { return std::span<const std::byte>(made_.pages.back().content); });
   }
 
   /// Keeps every 64th sample. The page of band 1 has every 8th.

@@ -7,8 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/page/extent_border.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "engine/tile/coarse_levels.hpp"
-#include "engine/tile/tile_slice.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "storage/page_store.hpp"
 
@@ -34,7 +35,7 @@ struct PageBytes {
 
 struct TilePages {
   std::vector<PageBytes> pages;  ///< band 0 in curve order, then the page of band 1; no page without data
-  /// The slice of a tile that has a page of band 1; none if not all samples are kept.
+  /// The slice of a tile that has a page of band 1. If not all samples are kept: none, or the pages are in it.
   std::optional<PageBytes> slice;
   TileSummary summary;
 };

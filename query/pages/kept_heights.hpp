@@ -14,15 +14,17 @@ namespace talus {
 /// Why every sample stays within the bound: when a vertex was dropped, all its descendants were dropped, too. Take a
 /// triangle with three kept corners and a dropped midpoint. All its vertices lie in its plane, and every sample lies
 /// within the midpoint's error of this plane. A triangle of an answer with a dropped corner always lies in such a
-/// triangle, because vertices with a triangle that leaves the extent were kept (is_near_border).
+/// triangle, because vertices with a triangle that leaves the extent were kept (is_near_border). Those are closed under
+/// parents, like the vertices above a tolerance.
 class KeptHeights {
  public:
   KeptHeights(const StoredPages& pages, QueryCost& cost) : pages_(pages), cost_(cost) {}
 
   [[nodiscard]] bool all_are_kept() const { return all_kept_; }
-  /// Whether the height of sample i at p, an own vertex, was kept. A page may have more heights than those.
+  /// Whether the height of sample i at p, an own vertex, was kept. A page that is in no slice has more heights than those.
   [[nodiscard]] bool is_kept(const Page& page, std::size_t i, GridPoint p) const {
-    return all_kept_ || page.error(i, pages_.distance()) > largest_dropped_ || is_near_border(p, page.extent);
+    return all_kept_ || page.error(i, pages_.distance()) > largest_dropped_ ||
+           is_near_border(p, pages_.manifest().description.extent);
   }
   /// The height in height codes; 0 if no page has the vertex, because no triangle needs its height.
   /// fails  corrupt: a damaged page

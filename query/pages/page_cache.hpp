@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/page/page_codec.hpp"
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 
 namespace talus {
 

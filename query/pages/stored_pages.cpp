@@ -70,6 +70,12 @@ BandCost* band_in(QueryCost& cost, PageId id) {
   return band < cost.bands.size() ? &cost.bands[band] : nullptr;
 }
 
+void count_slice(PageId tile, std::size_t content, QueryCost& cost) {
+  const std::uint64_t bytes = content + kPagePrefixBytes + kTileDirectoryBytes;
+  cost.bytes_read += bytes;
+  if (BandCost* band = band_in(cost, tile)) ++band->slices_read, band->bytes_read += bytes;
+}
+
 }  // namespace
 
 QueryCost StoredPages::cost_of_header() const {
@@ -98,10 +104,13 @@ const Page& StoredPages::read(PageId id, std::optional<std::uint32_t> expected, 
   if (page->generation != expected.value_or(page->generation))
     corrupt(fmt::format("stale: written by update {}, expected update {}", page->generation, *expected));
   if (generation != nullptr) *generation = page->generation;
-  // Not counted: whoever reads a page read the page above it before, which says that the page is there.
-  const auto other = [&](PageId above) {
-    const auto found = txn_.find({above.band, curve_position(above)});
-    return found ? found->content : std::span<const std::byte>();
+  const auto other = [&](PageId of, PageDecoder::Content what) {
+    const bool is_slice = what == PageDecoder::Content::slice;
+    const auto found = txn_.find({is_slice ? kSliceTable : of.band, curve_position(of)});
+    if (!found) return std::span<const std::byte>();
+    // Pages are not counted: whoever reads a page read the page above it before, which says that the page is there.
+    if (is_slice) count_slice(of, found->content.size(), cost);
+    return found->content;
   };
   // Fails if the file became shorter meanwhile.
   try {
@@ -128,9 +137,7 @@ const TileSlice& StoredPages::slice(PageId tile, std::uint32_t generation, Slice
     fail_in(file_, Cause::corrupt, "corrupt: {}: the slice of tile {}/{} is {}", file_.string(), tile.x, tile.y, what);
   };
   if (!stored) corrupt("missing");
-  const std::uint64_t bytes = stored->content.size() + kPagePrefixBytes + kTileDirectoryBytes;
-  cost.bytes_read += bytes;
-  if (BandCost* band = band_in(cost, tile)) ++band->slices_read, band->bytes_read += bytes;
+  count_slice(tile, stored->content.size(), cost);
   if (stored->generation != generation)
     corrupt(fmt::format("stale: written by update {}, expected update {}", stored->generation, generation));
   try {

@@ -7,7 +7,7 @@
 
 #include "engine/page/manifest.hpp"
 #include "engine/page/page_codec.hpp"
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "query/pages/page_cache.hpp"
 #include "storage/page_store.hpp"
 #include "talus/database.hpp"

@@ -169,7 +169,7 @@ class RangeQuery {
     watch_.look();
     std::int64_t settled = area_of(wanted.id);
     const TileSlice* slice = slice_for(wanted, worker);
-    if (slice != nullptr && has_all_forced(wanted.id, worker)) {
+    if (slice != nullptr && has_all_forced(wanted.id, *slice, worker)) {
       worker.fates.replace(wanted.id);
       select(
           *slice, wanted.id, [](GridPoint) { return true; }, worker);
@@ -204,9 +204,14 @@ class RangeQuery {
     settle(settled, worker);
   }
 
+  /// A slice may have vertices of pages that are not stored. The border does not need those, and they have no triangles.
+  [[nodiscard]] static bool has_triangle(const TileSlice& slice, std::uint32_t place, const Worker& worker) {
+    return slice.covers.empty() || slice.covers[worker.decoder->slices.index_of(place)] != 0;
+  }
+
   /// Whether the slice decoded last has all vertices of its tile that the border needs. They are then listed in
   /// `forced_of_slice`; otherwise that is empty.
-  [[nodiscard]] bool has_all_forced(PageId tile, Worker& worker) const {
+  [[nodiscard]] bool has_all_forced(PageId tile, const TileSlice& slice, Worker& worker) const {
     std::vector<std::uint32_t>& places = worker.forced_of_slice;
     places.clear();
     if (!is_forced(tile)) return true;
@@ -216,7 +221,7 @@ class RangeQuery {
       if (found == forced_.end()) return;
       for (const GridPoint p : found->second) {
         places.push_back(place_in_tile(p));
-        has_all = has_all && worker.decoder->slices.has(places.back());
+        has_all = has_all && worker.decoder->slices.has(places.back()) && has_triangle(slice, places.back(), worker);
       }
     };
     look(tile);
@@ -232,14 +237,15 @@ class RangeQuery {
   }
 
   /// The slice of the tile of a page of band 1, if it is worth its time and has all vertices above the tolerance. Of
-  /// those that the border needs it may lack some.
+  /// those that the border needs it may lack some. If the database keeps the vertices of a tolerance, a tile with a slice
+  /// has nothing else.
   [[nodiscard]] const TileSlice* slice_for(const Wanted& wanted, Worker& worker) const {
-    if (wanted.id.band != 1 || !wanted.is_above || manifest_.description.finest_tolerance.value > 0) return nullptr;
+    if (wanted.id.band != 1 || !wanted.is_above) return nullptr;
     const GridRect tile = common(page_square(wanted.id), manifest_.description.extent);
     if (is_empty(tile) || static_cast<double>(area_of(wanted.id)) < kWorthSlice * static_cast<double>(tile.samples()))
       return nullptr;
     const auto threshold = pages_.threshold_of_slice(wanted.id);
-    if (threshold && !is_in_reach(*threshold)) return nullptr;
+    if (worker.found.all_are_kept() ? threshold && !is_in_reach(*threshold) : !threshold) return nullptr;
     return &pages_.slice(wanted.id, wanted.generation, worker.decoder->slices, worker.cost);
   }
   /// Whether a slice with this threshold has all vertices above the tolerance, and not far more.
@@ -501,7 +507,7 @@ void copy_samples(const Page& page, const HeightStep& step, StoredSamples& store
     if (!to.region.contains(p) || !page.is_data(i)) return;
     to.values[to.index(p)] = step.value(page.height(i));
     to.valid[to.index(p)] = 1;
-    if (page.is_dropped(i, p)) stored.dropped[to.index(p)] = 1;
+    if (page.is_dropped(i)) stored.dropped[to.index(p)] = 1;
   });
 }
 

@@ -78,7 +78,7 @@ std::string difference(const Rules& rules, const PageGrid& grid, PageId id, cons
     if (band_of(p, rules.manifest.bands) != id.band) return false;
     const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
     ErrorCode error = computed.error(p);
-    if (page != nullptr && page->drops_heights && rules.dropped && error <= *rules.dropped) error = 0;
+    if (page != nullptr && page->is_sliced && rules.dropped && error <= *rules.dropped) error = 0;
     const bool is_data = page != nullptr && page->is_data(i);
     const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
                                 : page->covers.empty() ? std::uint8_t{15}
@@ -92,7 +92,7 @@ std::string difference(const Rules& rules, const PageGrid& grid, PageId id, cons
     } else if (const auto t = wrong_triangle(rules, p, covers, computed)) {
       found =
           fmt::format("triangle {} {} is wrongly marked as {}", *t, at(), (covers >> *t & 1) != 0 ? "valid" : "void");
-    } else if (covers != 0 && !page->is_dropped(i, p) && !is_same(page->height(i), computed.height(p))) {
+    } else if (covers != 0 && !page->is_dropped(i) && !is_same(page->height(i), computed.height(p))) {
       const HeightStep& step = rules.description.step;
       found = fmt::format("{} {} {}, but {} give {}", is_data ? "height" : "fill", step.value(page->height(i)), at(),
                           is_data ? "records" : "the samples around it", step.value(computed.height(p)));

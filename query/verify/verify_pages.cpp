@@ -74,7 +74,7 @@ class PageChecks {
 
   /// Checks the errors of own vertices. Reports each kind of finding once per page.
   void check_own(const Page& page) {
-    if (page.drops_heights && !drops_)
+    if (page.is_sliced && !drops_)
       findings_.in(page.id, "heights were left out, but the header says that all were kept");
     any_sample(page.grid, [&](std::size_t i, GridPoint p) {
       if (!page.is_own(p) || spacing(p) == kRootSpacing) return false;
@@ -132,8 +132,8 @@ class PageChecks {
       if (page.is_own(p)) return false;
       const std::size_t there = above.index(p);
       const bool is_data = page.is_data(here), is_data_above = above.is_data(there);
-      if (is_data == is_data_above &&
-          (!is_data || above.is_dropped(there, p) || is_same(page.height(here), above.height(there))))
+      if (is_data == is_data_above && (!is_data || page.is_dropped(here) || above.is_dropped(there) ||
+                                       is_same(page.height(here), above.height(there))))
         return false;
       const auto text = [&](const Page& of, std::size_t i) {
         return of.is_data(i) ? fmt::format("{}", manifest_.description.step.value(of.height(i))) : std::string("void");

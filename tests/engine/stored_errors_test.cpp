@@ -173,29 +173,28 @@ Page page_of_band(int band, int bands, GridRect extent, PageId id = {}) {
   page.id = {band, id.x, id.y};
   page.bands = bands;
   page.grid = page_grid(page.id, extent);
-  page.extent = extent;
   page.errors.assign(page.grid.size(), 0);
   return page;
 }
 
-/// Pages of all bands, with heights and without, with codes that heights explain and with any others.
+/// Pages of all bands, rough and flat, with codes that heights explain and with any others.
 TEST(StoredErrors, OfOtherPagesComeBackWhateverTheyAre) {
   for (std::uint32_t seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const int band = random.between(0, 2);
     const GridPoint first{random.between(-30000, 30000), random.between(-30000, 30000)};
-    Page page =
-        page_of_band(band, 3, {first, {first.col + random.between(0, 9000), first.row + random.between(0, 9000)}});
+    const GridRect extent{first, {first.col + random.between(0, 9000), first.row + random.between(0, 9000)}};
+    Page page = page_of_band(band, 3, extent);
     page.id = page_of({first.col + random.between(0, 500), first.row + random.between(0, 500)}, band);
-    page.grid = page_grid(page.id, page.extent);
+    page.grid = page_grid(page.id, extent);
     const std::size_t n = page.grid.size();
     page.errors.assign(n, 0);
-    page.drops_heights = random.chance(0.3);
+    const bool has_heights = random.chance(0.7);
     if (random.chance(0.5)) {
       for (std::size_t i = 0; i < n; ++i) page.valid.push_back(random.chance(0.9) ? 1 : 0);
     }
-    for (std::size_t i = 0; !page.drops_heights && i < n; ++i) page.heights.push_back(random.between(0, 4000) / 10.0);
+    for (std::size_t i = 0; i < n; ++i) page.heights.push_back(has_heights ? random.between(0, 4000) / 10.0 : 0);
     const int most = random.chance(0.5) ? kAlwaysSelected : random.between(0, 40);
     std::vector<ErrorCode> all(n, 0);
     std::size_t own = 0;

@@ -1,6 +1,6 @@
 // The slice of a tile: what goes in comes out, and other bytes are refused.
 
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/page/page_codec.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/failure_of.hpp"
@@ -207,6 +208,144 @@ TEST(TileSlice, DamagedBytesAreRefusedOrSound) {
   }
   EXPECT_GT(refused, 200);
   EXPECT_LT(read, 200);
+}
+
+// ---- pages that are in a slice ----------------------------------------------------------------------------
+
+/// A page with voids and nothing else, as encode_in_slice() takes it.
+Page page_of_voids(PageId id, GridRect extent, double voids, Random& random) {
+  Page page;
+  page.id = id;
+  page.bands = band_count(extent);
+  page.grid = page_grid(id, extent);
+  for (std::size_t i = 0; voids > 0 && i < page.grid.size(); ++i) {
+    page.valid.push_back(random.chance(voids) ? 0 : 1);
+    page.covers.push_back(0);
+  }
+  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+    if (voids > 0 && page.is_own(p)) page.covers[i] = static_cast<std::uint8_t>(random.chance(voids) ? 0 : 15);
+  });
+  if (id.band > 0) page.children.resize(kChildrenAcross * kChildrenAcross);
+  return page;
+}
+
+struct Slicing {
+  Case of;
+  std::vector<std::byte> bytes;
+  [[nodiscard]] PageDecoder::BytesOf given() const {
+    return [this](PageId id, PageDecoder::Content what) {
+      EXPECT_EQ(what, PageDecoder::Content::slice);
+      EXPECT_EQ(id, (PageId{1, of.id.x, of.id.y}));
+      return std::span<const std::byte>(bytes);
+    };
+  }
+};
+
+/// A slice of codes.
+Slicing slicing(std::uint64_t seed) {
+  Slicing made;
+  do {
+    Random random(seed);
+    made.of = random_case(random);
+    made.bytes = SliceCoder().encode(made.of.id, made.of.extent, made.of.distance, made.of.slice);
+    seed += 1000;
+  } while (made.of.distance.is_whole() || SliceCoder::threshold_of(made.bytes) == kNoSlice);
+  return made;
+}
+
+TEST(TileSlice, PagesInItHaveItsHeightsAndErrors) {
+  PageDecoder decoder;  // for all tiles: the last slice must not serve another one
+  PageEncoder encoder;
+  std::size_t own_held = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE(seed);
+    const Slicing s = slicing(seed);
+    const auto& [id, extent, distance, slice] = s.of;
+    const GridPoint corner{id.x * kTileSide, id.y * kTileSide};
+    std::map<std::uint32_t, std::size_t> at;
+    for (std::size_t i = 0; i < slice.size(); ++i) at[slice.places[i]] = i;
+    Random random(seed);
+    std::vector<PageId> ids{{1, id.x, id.y}};
+    for (std::size_t k = 0; k < 64; k += 9) ids.push_back(child_page(ids.front(), k));
+    for (const PageId page_id : ids) {
+      // Near the border a page must have all heights, so where the tile is cut all is void.
+      const bool is_amid = extent.contains(corner) && extent.contains({corner.col + 1500, corner.row + 1500});
+      const Page page = page_of_voids(page_id, extent, is_amid ? random.chance(0.5) ? 0.4 : 0 : 1, random);
+      if (page.grid.size() == 0) continue;
+      const auto bytes = encoder.encode_in_slice(page, digest_of_slice(s.bytes));
+      const Page& back = decoder.decode(page_id, extent, page.bands, distance, bytes, s.given());
+      EXPECT_TRUE(back.is_sliced);
+      EXPECT_EQ(back.valid, page.valid);
+      EXPECT_EQ(back.covers, page.covers);
+      for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+        const std::uint32_t place = place_in_tile(p);
+        if (spacing(p) >= kBlockSide) {
+          ASSERT_EQ(back.height(i), slice.posts[place / kTileSide / 64 * 16 + place % kTileSide / 64]);
+          ASSERT_FALSE(back.is_dropped(i));
+          return;
+        }
+        const auto found = at.find(place);
+        ASSERT_EQ(back.is_dropped(i), found == at.end());
+        const std::int32_t error = found == at.end() ? 0 : slice.errors[found->second];
+        ASSERT_EQ(back.error(i, distance), back.is_own(p) && error > slice.above ? error : 0);
+        if (found == at.end()) return;
+        ASSERT_EQ(back.height(i), slice.heights[found->second]);
+        own_held += back.is_own(p) ? 1 : 0;
+      });
+    }
+  }
+  EXPECT_GT(own_held, 3000u);
+}
+
+TEST(TileSlice, PagesInAnotherOneAreRefused) {
+  const Slicing s = slicing(3), other = slicing(4);
+  const auto& [id, extent, distance, slice] = s.of;
+  Random random(1);
+  const PageId page_id{1, id.x, id.y};
+  const Page page = page_of_voids(page_id, extent, 1, random);
+  const auto refusal = [&](std::span<const std::byte> bytes, const PageDecoder::BytesOf& given,
+                           const CodeDistance& in) -> std::string {
+    try {
+      static_cast<void>(PageDecoder().decode(page_id, extent, page.bands, in, bytes, given));
+      return "";
+    } catch (const Failure& f) {
+      EXPECT_EQ(f.cause(), Cause::corrupt);
+      return f.what();
+    }
+  };
+  PageEncoder encoder;
+  const auto bytes = encoder.encode_in_slice(page, digest_of_slice(s.bytes));
+  EXPECT_EQ(refusal(bytes, s.given(), distance), "");
+  const auto says = [](const std::string& what, const char* word) {
+    EXPECT_NE(what.find(word), std::string::npos) << what;
+  };
+  says(refusal(bytes, {}, distance), "the slice of its tile is missing");
+  says(refusal(encoder.encode_in_slice(page, digest_of_slice(other.bytes)), s.given(), distance), "another slice");
+  says(refusal(bytes, s.given(), distance_of(true)), "cannot be in a slice");
+  Slicing none = s;
+  TileSlice nothing;
+  nothing.above = kNoSlice;
+  none.bytes = SliceCoder().encode(id, extent, distance, nothing);
+  says(refusal(encoder.encode_in_slice(page, digest_of_slice(none.bytes)), none.given(), distance), "holds nothing");
+  for (const std::size_t at : {1, 3, 6, 16, 20}) {  // coding, form, width, lengths
+    auto changed = bytes;
+    changed[at] ^= std::byte{at == 6 ? std::uint8_t{6} : std::uint8_t{1}};
+    EXPECT_NE(refusal(changed, s.given(), distance), "") << at;
+  }
+}
+
+TEST(TileSlice, ThatIsAllHoldsAllOrNothing) {
+  const GridRect extent{{0, 0}, {4000, 4000}};
+  TileSlice slice;
+  slice.places = {place_in_tile({32, 32}), place_in_tile({1, 0})};  // the second lacks its parents
+  slice.heights = {7, 8};
+  slice.errors = {9, 0};
+  const auto threshold = [&] {
+    return SliceCoder::threshold_of(SliceCoder().encode({0, 0}, extent, distance_of(false), slice));
+  };
+  EXPECT_EQ(threshold(), 0) << "it is left out";
+  slice.is_all = true;
+  EXPECT_EQ(threshold(), kNoSlice);
 }
 
 }  // namespace

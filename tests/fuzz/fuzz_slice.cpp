@@ -10,7 +10,7 @@
 #include <span>
 #include <tuple>
 
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "talus/failure.hpp"
 
 namespace {

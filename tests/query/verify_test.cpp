@@ -5,13 +5,14 @@
 #include <cstdio>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include <gtest/gtest.h>
 
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/forged_database.hpp"
@@ -437,6 +438,102 @@ TEST_F(ForgedDatabase, ASliceThatIsNotThatOfItsPagesIsFound) {
   Forgery more = sound;
   more.stored[{kSliceTable, curve_position({1, 77, 0})}] = more.stored.at(key);
   expect_found(more, "slice of tile 77/0: unknown");
+}
+
+/// In a database that keeps the vertices of a tolerance, pages are read from the slice, so only the slice can be wrong.
+TEST_F(ForgedDatabase, ASliceThatIsAllThatItsTileHasIsChecked) {
+  Terrain terrain = void_blobs(fit(fractal(900, 700, 4, 600), SampleType::int16), 3, 7);
+  write_raster(terrain, *folder / "kept.tif");
+  IngestOptions options;
+  options.finest_tolerance = Metres{20};
+  ingest(*folder / "kept.tif", *folder / "kept.talus", options);
+  const Forgery sound(*folder / "kept.talus");
+  EXPECT_EQ(verified(sound).findings, std::vector<std::string>());
+  const GridRect extent = sound.manifest().description.extent;
+  const CodeDistance distance(sound.manifest().description);
+  const PageKey key{kSliceTable, curve_position({1, 0, 0})};
+  ASSERT_TRUE(sound.stored.contains(key)) << "few vertices of this ground are above 20 m";
+  SliceCoder coder;
+  const TileSlice slice = coder.decode({0, 0}, extent, distance, sound.stored.at(key).content);
+  const std::set<std::uint32_t> places(slice.places.begin(), slice.places.end());
+  const auto point = [&](std::size_t i) {
+    return GridPoint{static_cast<std::int32_t>(slice.places[i] % kTileSide),
+                     static_cast<std::int32_t>(slice.places[i] / kTileSide)};
+  };
+  const auto with = [&](auto&& change, bool is_sound_elsewhere = false) {
+    Forgery forged = sound;
+    TileSlice changed = slice;
+    change(changed);
+    forged.stored.at(key).content = SliceCoder().encode({0, 0}, extent, distance, changed);
+    EXPECT_NE(forged.stored.at(key).content, sound.stored.at(key).content);
+    for (const auto& [at, any] : sound.stored) {
+      if (at.table == 0 || at.table == 1) forged.put(sound.page(page_at(at.table, at.position)));
+    }
+    if (is_sound_elsewhere) forged.hide();
+    return forged;
+  };
+  const auto remove = [](TileSlice& s, std::size_t i) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    s.places.erase(s.places.begin() + at);
+    s.heights.erase(s.heights.begin() + at);
+    s.errors.erase(s.errors.begin() + at);
+    if (!s.covers.empty()) s.covers.erase(s.covers.begin() + at);
+  };
+  const auto first_where = [&](auto&& is) {
+    std::size_t i = 0;
+    while (i < slice.size() && !is(i)) ++i;
+    EXPECT_LT(i, slice.size());
+    return std::min(i, slice.size() - 1);
+  };
+  const std::size_t beside = first_where([&](std::size_t i) {
+    return spacing(point(i)) == 1 && slice.errors[i] == slice.above && is_near_border(point(i), extent) &&
+           terrain.is_valid(point(i).col, point(i).row);
+  });
+  const std::size_t least = first_where([&](std::size_t i) {  // no vertex depends on it
+    const Children below = children(point(i));
+    const bool is_leaf = std::none_of(below.at.begin(), below.at.begin() + below.count,
+                                      [&](GridPoint p) { return places.contains(place_in_tile(p)); });
+    return is_leaf && slice.errors[i] > slice.above && !is_near_border(point(i), extent);
+  });
+  expect_found(with([&](TileSlice& s) { remove(s, beside); }), "a height near the border is missing");
+  expect_found(with([&](TileSlice& s) { remove(s, least); }), "counts of errors differ");
+  const auto lower = [](TileSlice& s) {
+    s.above -= 100;
+    std::replace(s.errors.begin(), s.errors.end(), s.above + 100, s.above);
+  };
+  expect_found(with(lower, true), "its threshold is not the tolerance");
+  expect_found(with([&](TileSlice& s) { s.errors[least] = kAlwaysSelected - 1; }), "below the");
+  const auto add_one = [&](TileSlice& s) {  // below a vertex of spacing 32, amid the tile
+    const std::size_t of = first_where([&](std::size_t i) {
+      return spacing(point(i)) == 32 && !is_near_border(point(i), extent) && is_centre(point(i));
+    });
+    for (std::size_t i = of; i < slice.size() && s.size() == slice.size(); ++i) {
+      const Children below = children(point(i));
+      for (int k = 0; k < below.count && s.size() == slice.size(); ++k) {
+        const GridPoint p = below.at[static_cast<std::size_t>(k)];
+        const auto apexes = diamond(p).apexes;
+        const bool has_parents = std::all_of(apexes.begin(), apexes.end(), [&](GridPoint q) {
+          return spacing(q) >= kBlockSide || places.contains(place_in_tile(q));
+        });
+        if (!has_parents || is_near_border(p, extent) || places.contains(place_in_tile(p))) continue;
+        s.places.push_back(place_in_tile(p));
+        s.heights.push_back(1000);
+        s.errors.push_back(s.above);
+        if (!s.covers.empty()) s.covers.push_back(15);
+      }
+    }
+  };
+  expect_found(with(add_one), "vertices, but its pages have");
+
+  Forgery other = sound;  // checksums fit, but the pages are of another slice
+  const std::vector<std::byte> whole = sound.stored.at(key).content;
+  TileSlice changed = slice;
+  changed.heights[5] += 1;
+  other.stored.at(key).content = SliceCoder().encode({0, 0}, extent, distance, changed);
+  expect_found(other, "it was written beside another slice");
+  Forgery without = sound;
+  without.stored.erase(key);
+  expect_found(without, "the slice of its tile is missing");
 }
 
 TEST_F(ForgedDatabase, WhatAQueryRefusesOrAnswersOtherwiseIsNeverCalledSound) {

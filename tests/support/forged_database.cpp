@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 #include "tests/support/given_page.hpp"
 
 namespace talus::support {
@@ -39,14 +39,21 @@ Page Forgery::page(PageId id) const {
   const Manifest m = manifest();
   const CodeDistance distance(m.description);
   static PageDecoder decoder;
-  const auto other = [&](PageId above) { return std::span<const std::byte>(stored.at(key(above)).content); };
+  const auto other = [&](PageId of, PageDecoder::Content what) {
+    const int table = what == PageDecoder::Content::slice ? kSliceTable : of.band;
+    return std::span<const std::byte>(stored.at({table, curve_position(of)}).content);
+  };
   return given_page(decoder.decode(id, m.description.extent, m.bands, distance, stored.at(key(id)).content, other),
                     distance);
 }
 
 void Forgery::put(const Page& page) {
   static PageEncoder encoder;  // its tables take long to make
-  stored[key(page.id)].content = encoder.encode(page, distance());
+  const TileId tile = tile_with(page.id);
+  stored[key(page.id)].content =
+      page.is_sliced ? encoder.encode_in_slice(
+                           page, digest_of_slice(stored.at({kSliceTable, curve_position({1, tile.x, tile.y})}).content))
+                     : encoder.encode(page, distance());
 }
 
 TileSummary Forgery::record(int x, int y) const {

@@ -1,6 +1,7 @@
 #pragma once
-// The slice of a tile: a copy of its few vertices with the largest errors, so that a coarse question need not read all
-// pages of the tile for them.
+// The slice of a tile: its few vertices with the largest errors. In most databases it is a copy, so that a coarse
+// question need not read all pages of the tile for them; in one that keeps the vertices of a tolerance it may be all that
+// the tile has.
 //
 // Saturated errors are closed under parents, so the vertices above any threshold form a restricted quadtree. A slice
 // has one bit for each grid point whose parents are in it, and the heights and errors of the vertices as numbers.
@@ -13,20 +14,20 @@
 #include <span>
 #include <vector>
 
-#include "engine/page/extent_border.hpp"
 #include "engine/page/number_coder.hpp"
 #include "engine/page/page.hpp"
-#include "engine/tile/tile.hpp"
+#include "engine/page/tile_layout.hpp"
 
 namespace talus {
 
 /// A threshold of a slice that holds nothing.
 inline constexpr std::int32_t kNoSlice = kMostEighths;
 
-/// A tile's vertices of spacing 1 to 32 with an error above a threshold, and those that the border of the extent needs,
-/// in any order. All vectors have the same length. Errors are what they count as, see Page::counted_error.
+/// A tile's vertices of spacing 1 to 32 with an error above a threshold, and some that the sides of the extent need, in any
+/// order. All vectors have the same length. Errors are what they count as, see Page::counted_error.
 struct TileSlice {
   std::int32_t above = 0;             ///< the threshold, at least 0; kNoSlice
+  bool is_all = false;                ///< for encode(): no vertex may be left out
   std::vector<std::uint32_t> places;  ///< kTileSide · row + column, from the tile's north-west corner
   std::vector<double> heights;        ///< height codes
   std::vector<std::int32_t> errors;   ///< the threshold where they are not above it
@@ -35,15 +36,33 @@ struct TileSlice {
   std::array<double, static_cast<std::size_t>(kTileBlocks) * kTileBlocks> posts{};
 
   [[nodiscard]] std::size_t size() const { return places.size(); }
-  /// Adds the vertices of a page of the tile, as decoded, that belong in the slice. The page of band 1 also has the
-  /// posts.
-  void take(const Page& page, const CodeDistance& distance, const ExtentBorder& border);
+  /// Adds the vertices of a page of the tile, as decoded, that are above the threshold or for which is_needed(point)
+  /// holds. The page of band 1 also has the posts.
+  template <class IsNeeded>
+  void take(const Page& page, const CodeDistance& distance, IsNeeded&& is_needed) {
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      if (!page.is_own(p)) return take_post(page, i, p);
+      const std::int32_t error = page.counted_error(i, distance);
+      if (error > above || is_needed(p)) add(page, i, p, error);
+    });
+    if (!covers.empty()) covers.resize(places.size(), 15);
+  }
+  /// Adds the parents that vertices lack because their pages are not stored: with no triangle, not above, and with any
+  /// height.
+  void add_missing_parents(TileId id, GridRect extent);
+
+ private:
+  void take_post(const Page& page, std::size_t i, GridPoint p);
+  void add(const Page& page, std::size_t i, GridPoint p, std::int32_t error);
 };
 
 /// The place of a grid point in its tile, see TileSlice.
 [[nodiscard]] constexpr std::uint32_t place_in_tile(GridPoint p) {
   return static_cast<std::uint32_t>((p.row & (kTileSide - 1)) * kTileSide + (p.col & (kTileSide - 1)));
 }
+
+/// A digest of a slice's bytes, for the pages that are in it.
+[[nodiscard]] std::uint64_t digest_of_slice(std::span<const std::byte> bytes);
 
 /// Encodes and decodes slices one after the other, reusing its memory.
 class SliceCoder {
@@ -56,7 +75,8 @@ class SliceCoder {
   /// The same slice always has the same bytes, whatever the order of its vertices. A vertex that is not above the
   /// threshold is left out if a parent of it that lies in the tile and the extent is not in the slice. This happens where
   /// the border of the extent crosses pages that are not stored. The slice holds nothing if a vertex above the threshold
-  /// lacks a parent, an error is above the ladder or counts as kMostEighths, or heights need more than 32 bits.
+  /// lacks a parent, one was left out of a slice that is all, an error is above the ladder or counts as kMostEighths, or
+  /// heights need more than 32 bits.
   ///
   /// cost  about 100 ns a vertex
   [[nodiscard]] std::vector<std::byte> encode(TileId id, GridRect extent, const CodeDistance& distance,
@@ -72,6 +92,8 @@ class SliceCoder {
 
   /// Whether the slice decoded last has the vertex of spacing 1 to 32 at this place.
   [[nodiscard]] bool has(std::uint32_t place) const;
+  /// Which of the vertices of that slice it is. Only for one that it has.
+  [[nodiscard]] std::size_t index_of(std::uint32_t place) const;
 
  private:
   struct Scratch;

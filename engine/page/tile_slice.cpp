@@ -1,9 +1,11 @@
-#include "engine/tile/tile_slice.hpp"
+#include "engine/page/tile_slice.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+
+#include <xxhash.h>
 
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_numbers.hpp"
@@ -189,26 +191,41 @@ struct Expected {
 
 }  // namespace
 
-void TileSlice::take(const Page& page, const CodeDistance& distance, const ExtentBorder& border) {
-  const bool is_beside_border = border.is_near(page_square(page.id));
-  for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
-    const std::int32_t col = p.col & (kTileSide - 1), row = p.row & (kTileSide - 1);
-    if (!page.is_own(p)) {
-      if (page.id.band == 1)
-        posts[static_cast<std::size_t>(row / kBlockSide * kTileBlocks + col / kBlockSide)] = page.height(i);
-      return;
-    }
-    const std::int32_t error = page.counted_error(i, distance);
-    if (error <= above && !(is_beside_border && border.contains(p))) return;
-    places.push_back(place_in_tile(p));
-    heights.push_back(page.height(i));
-    errors.push_back(std::max(error, above));
-    if (page.covers.empty()) return;
-    covers.resize(places.size() - 1, 15);
-    covers.push_back(page.covers[i]);
-  });
-  if (!covers.empty()) covers.resize(places.size(), 15);
+void TileSlice::take_post(const Page& page, std::size_t i, GridPoint p) {
+  if (page.id.band != 1) return;
+  const std::int32_t col = p.col & (kTileSide - 1), row = p.row & (kTileSide - 1);
+  posts[static_cast<std::size_t>(row / kBlockSide * kTileBlocks + col / kBlockSide)] = page.height(i);
 }
+
+void TileSlice::add(const Page& page, std::size_t i, GridPoint p, std::int32_t error) {
+  places.push_back(place_in_tile(p));
+  heights.push_back(page.height(i));
+  errors.push_back(std::max(error, above));
+  if (page.covers.empty()) return;
+  covers.resize(places.size() - 1, 15);
+  covers.push_back(page.covers[i]);
+}
+
+void TileSlice::add_missing_parents(TileId id, GridRect extent) {
+  const GridPoint corner{id.x * kTileSide, id.y * kTileSide};
+  const GridRect part = common({corner, {corner.col + kTileSide - 1, corner.row + kTileSide - 1}}, extent);
+  std::vector<bool> is_known(static_cast<std::size_t>(kTileSide) * kTileSide);
+  for (const std::uint32_t place : places) is_known[place] = true;
+  for (std::size_t i = 0; i < places.size(); ++i) {  // those that are added have parents, too
+    const auto place = static_cast<std::int32_t>(places[i]);
+    for (const GridPoint parent : diamond({corner.col + place % kTileSide, corner.row + place / kTileSide}).apexes) {
+      if (!part.contains(parent) || spacing(parent) >= kBlockSide || is_known[place_in_tile(parent)]) continue;
+      is_known[place_in_tile(parent)] = true;
+      covers.resize(places.size(), 15);
+      covers.push_back(0);
+      places.push_back(place_in_tile(parent));
+      heights.push_back(heights[i]);
+      errors.push_back(above);
+    }
+  }
+}
+
+std::uint64_t digest_of_slice(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 struct SliceCoder::Scratch {
   Vertices vertices;
@@ -401,6 +418,7 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   for (const std::size_t i : order) above_found += is_above(slice.errors[i]) ? 1 : 0;
   if (static_cast<std::ptrdiff_t>(above_found) != std::count_if(slice.errors.begin(), slice.errors.end(), is_above))
     return nothing;
+  if (slice.is_all && order.size() != slice.size()) return nothing;
   s.errors.resize(order.size());
   std::vector<Expected> least(order.size());
   bool may_be_less = false, some_are_not_above = false;
@@ -445,6 +463,10 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
 bool SliceCoder::has(std::uint32_t place) const {
   const auto at = static_cast<std::int32_t>(place);
   return scratch_->vertices.has(at % kTileSide, at / kTileSide);
+}
+
+std::size_t SliceCoder::index_of(std::uint32_t place) const {
+  return scratch_->vertices.index(place) - scratch_->slice.posts.size();
 }
 
 std::int32_t SliceCoder::threshold_of(std::span<const std::byte> bytes) {
