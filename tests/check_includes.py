@@ -69,8 +69,8 @@ GDAL = r"(gdal|ogr|cpl|vrt)[a-z0-9_]*\.h"
 THEIRS = [
     ("GDAL", GDAL, r"ingest/|query/rasters/", "ingest/ and query/rasters/"),
     ("LMDB", r"lmdb\.h", r"storage/[^/]*\.cpp$", "storage/*.cpp"),
-    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream/stream_bytes|engine/page/corner_numbers)\.cpp$",
-     "storage/*.cpp, engine/stream/stream_bytes.cpp and engine/page/corner_numbers.cpp"),
+    ("xxHash", r"xxh(ash|3)\.h", r"(storage/[^/]*|engine/stream/stream_bytes|engine/page/digest)\.cpp$",
+     "storage/*.cpp, engine/stream/stream_bytes.cpp and engine/page/digest.cpp"),
     ("GeographicLib", r"GeographicLib/", r"engine/geo/", "engine/geo/"),
     ("zstd", r"(zstd|zdict)\w*\.h", r"engine/", "engine/"),
     ("JSON", r"nlohmann/", r"(engine|app|query/export)/", "engine/, app/ and query/export/"),

@@ -7,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include <xxhash.h>
+#include "engine/page/digest.hpp"
 
 namespace talus {
 namespace {
@@ -99,7 +99,7 @@ std::uint32_t check_of_corner_numbers(std::span<const T> square) {
         bytes[at++] = static_cast<std::uint8_t>(square[place_of(col, row)] >> (8 * i));
     }
   }
-  return static_cast<std::uint32_t>(XXH3_64bits(bytes.data(), bytes.size()));
+  return static_cast<std::uint32_t>(digest_of(std::as_bytes(std::span(bytes))));
 }
 
 template std::uint32_t check_of_corner_numbers(std::span<const std::uint16_t>);

@@ -4,10 +4,12 @@
 #include "engine/dense/kernels.hpp"
 #include "engine/machine/fail.hpp"
 #include "engine/page/corner_numbers.hpp"
+#include "engine/page/digest.hpp"
 #include "engine/page/page_codec.hpp"
 #include "engine/page/page_parts.hpp"
 #include "engine/page/tile_slice.hpp"
 #include "engine/page/whole_bytes.hpp"
+#include "engine/quadtree/border.hpp"
 
 namespace talus {
 namespace {
@@ -188,7 +190,7 @@ void PageDecoder::Scratch::get_from_slice(GridRect extent, const CodeDistance& d
     from.slice = nullptr;
     const auto bytes = other ? other({1, tile.x, tile.y}, Content::slice) : std::span<const std::byte>();
     if (bytes.empty()) corrupt("the slice of its tile is missing");
-    if (digest_of_slice(bytes) != digest) corrupt("it was written beside another slice");
+    if (digest_of(bytes) != digest) corrupt("it was written beside another slice");
     const TileSlice& slice = from.coder.decode(tile, extent, distance, bytes);
     if (slice.above == kNoSlice) corrupt("the slice of its tile holds nothing");
     from.tile = tile, from.digest = digest, from.slice = &slice;

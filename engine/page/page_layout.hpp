@@ -189,13 +189,4 @@ void for_each_sample(const PageGrid& grid, Visit&& visit) {
 /// All pages of a band whose squares meet an extent, in curve order. A page without samples can have child pages.
 [[nodiscard]] std::vector<PageId> pages_of_band(int band, GridRect extent);
 
-/// Whether a vertex keeps its height at any error. A triangle at it, or at a vertex that depends on it, may leave the
-/// extent, and no error includes the samples beside such a triangle. If a vertex is near the border, so are its
-/// parents: the apexes of a side midpoint are s away and reach 3s; their apexes are s further and reach 4s.
-[[nodiscard]] constexpr bool is_near_border(GridPoint p, GridRect extent) {
-  const std::int64_t s = spacing(p), reach = is_centre(p) ? 3 * s : 2 * s;
-  return p.col - reach < extent.first.col || p.col + reach > extent.last.col || p.row - reach < extent.first.row ||
-         p.row + reach > extent.last.row;
-}
-
 }  // namespace talus

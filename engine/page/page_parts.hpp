@@ -41,7 +41,7 @@ struct PageHead {
   unsigned flags = 0;
   ErrorForm errors = ErrorForm::none;
   unsigned width = 2;                             ///< bytes of a number: 2, 4 or 8
-  std::int64_t base = 0;                          ///< of a page in a slice: digest_of_slice
+  std::int64_t base = 0;                          ///< of a page in a slice: the digest of that
   std::size_t height_bytes = 0, error_bytes = 0;  ///< of the parts after the head
 
   [[nodiscard]] bool has(PageFlag flag) const { return (flags & flag) != 0; }

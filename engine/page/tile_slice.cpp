@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include <xxhash.h>
-
 #include "engine/machine/fail.hpp"
 #include "engine/page/page_numbers.hpp"
 #include "engine/page/whole_bytes.hpp"
@@ -224,8 +222,6 @@ void TileSlice::add_missing_parents(TileId id, GridRect extent) {
     }
   }
 }
-
-std::uint64_t digest_of_slice(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 struct SliceCoder::Scratch {
   Vertices vertices;

@@ -61,9 +61,6 @@ struct TileSlice {
   return static_cast<std::uint32_t>((p.row & (kTileSide - 1)) * kTileSide + (p.col & (kTileSide - 1)));
 }
 
-/// A digest of a slice's bytes, for the pages that are in it.
-[[nodiscard]] std::uint64_t digest_of_slice(std::span<const std::byte> bytes);
-
 /// Encodes and decodes slices one after the other, reusing its memory.
 class SliceCoder {
  public:

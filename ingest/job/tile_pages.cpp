@@ -4,6 +4,9 @@
 #include <limits>
 #include <variant>
 
+#include "engine/page/digest.hpp"
+#include "engine/quadtree/border.hpp"
+
 namespace talus {
 namespace {
 
@@ -342,7 +345,7 @@ class TilePacker {
       made_.slice.reset();
       return;
     }
-    const std::uint64_t digest = digest_of_slice(content);
+    const std::uint64_t digest = digest_of(content);
     std::unordered_map<std::uint64_t, ErrorCode> largest;  // kept, by place on the curve
     for (PageBytes& bytes : made_.pages) {
       const Page& page = decoded(bytes);

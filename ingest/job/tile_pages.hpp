@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/page/extent_border.hpp"
 #include "engine/page/tile_slice.hpp"
+#include "engine/quadtree/extent_border.hpp"
 #include "engine/tile/coarse_levels.hpp"
 #include "engine/tile/tile_summary.hpp"
 #include "storage/page_store.hpp"

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/quadtree/border.hpp"
 #include "query/pages/stored_pages.hpp"
 
 namespace talus {

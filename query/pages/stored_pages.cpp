@@ -9,7 +9,7 @@
 #include "engine/geo/ground.hpp"
 #include "engine/geo/longitude.hpp"
 #include "engine/machine/fail.hpp"
-#include "engine/page/extent_border.hpp"
+#include "engine/quadtree/extent_border.hpp"
 #include "query/pages/stopwatch.hpp"
 #include "storage/checksum.hpp"
 

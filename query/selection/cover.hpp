@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "engine/page/extent_border.hpp"
+#include "engine/quadtree/extent_border.hpp"
 #include "query/pages/nearby_pages.hpp"
 #include "query/selection/threshold.hpp"
 

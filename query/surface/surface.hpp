@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/page/extent_border.hpp"
+#include "engine/quadtree/extent_border.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "query/pages/kept_heights.hpp"
 #include "query/pages/nearby_pages.hpp"

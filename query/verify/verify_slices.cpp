@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "engine/page/extent_border.hpp"
+#include "engine/quadtree/border.hpp"
+#include "engine/quadtree/extent_border.hpp"
 #include "query/verify/verify_pages.hpp"
 
 namespace talus {

@@ -16,6 +16,7 @@
 #include "engine/dense/dense_plain.hpp"
 #include "engine/dense/kernels.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/random_raster.hpp"
 
 namespace talus::support {
 namespace {
@@ -113,7 +114,7 @@ TYPED_TEST_SUITE(DenseNumbersOf, Widths);
 TYPED_TEST(DenseNumbersOf, WhatIsStoredComesBackFromEveryKernelAndAllWriteTheSameBytes) {
   using T = TypeParam;
   std::vector<Coder<T>> all = coders<T>();
-  for (std::uint32_t seed = 0; seed < 60; ++seed) {
+  for (int seed = 0; seed < property_cases(60); ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const Square<T> original = some_ground<T>(static_cast<Ground>(seed % kGrounds), random);
@@ -156,7 +157,7 @@ TYPED_TEST(DenseNumbersOf, AllKernelsRefuseTheSameDamagedBytes) {
   using T = TypeParam;
   std::vector<Coder<T>> all = coders<T>();
   int refused = 0, accepted = 0;
-  for (std::uint32_t seed = 0; seed < 28; ++seed) {
+  for (int seed = 0; seed < property_cases(28); ++seed) {
     Random random(seed + 1000);
     const Square<T> original = some_ground<T>(static_cast<Ground>(seed % kGrounds), random);
     const Written<T> whole = written(all.front(), original, some_stored(random));

@@ -16,6 +16,7 @@
 #include "engine/dense/square_bits.hpp"
 #include "engine/page/page_errors.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/random_raster.hpp"
 
 namespace talus::support {
 namespace {
@@ -51,7 +52,7 @@ TEST(Eighths, AreTheErrorsIn32BitsForEveryKernel) {
   ImpliedErrors<std::int32_t> by_32_bits;
   const auto sorted = std::make_unique<SortedSquare>();
   const auto errors = std::make_unique<SortedSquare>();
-  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+  for (int seed = 0; seed < property_cases(40); ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const std::vector<std::int16_t> heights = some_heights(random);
@@ -95,7 +96,7 @@ EighthsFound selected_by_samples(const SortedSquare& errors, std::int16_t thresh
 
 TEST(Eighths, SelectWhatIsAboveInAnyPartOfASquareForEveryKernel) {
   const auto errors = std::make_unique<SortedSquare>();
-  for (std::uint32_t seed = 0; seed < 120; ++seed) {
+  for (int seed = 0; seed < property_cases(120); ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const int most = random.between(1, 32767);
@@ -126,7 +127,7 @@ TEST(Eighths, SelectWhatIsAboveInAnyPartOfASquareForEveryKernel) {
 
 TEST(Eighths, GatherTheNumbersOfAllBitsRowByRowForEveryKernel) {
   std::vector<std::int16_t> square(kSquare);
-  for (std::uint32_t seed = 0; seed < 60; ++seed) {
+  for (int seed = 0; seed < property_cases(60); ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     for (std::int16_t& number : square) number = static_cast<std::int16_t>(random.between(-32768, 32767));

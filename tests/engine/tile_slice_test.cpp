@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/page/digest.hpp"
 #include "engine/page/page_codec.hpp"
 #include "engine/quadtree/grid.hpp"
 #include "talus/failure.hpp"
@@ -272,7 +273,7 @@ TEST(TileSlice, PagesInItHaveItsHeightsAndErrors) {
       const bool is_amid = extent.contains(corner) && extent.contains({corner.col + 1500, corner.row + 1500});
       const Page page = page_of_voids(page_id, extent, is_amid ? random.chance(0.5) ? 0.4 : 0 : 1, random);
       if (page.grid.size() == 0) continue;
-      const auto bytes = encoder.encode_in_slice(page, digest_of_slice(s.bytes));
+      const auto bytes = encoder.encode_in_slice(page, digest_of(s.bytes));
       const Page& back = decoder.decode(page_id, extent, page.bands, distance, bytes, s.given());
       EXPECT_TRUE(back.is_sliced);
       EXPECT_EQ(back.valid, page.valid);
@@ -314,19 +315,19 @@ TEST(TileSlice, PagesInAnotherOneAreRefused) {
     }
   };
   PageEncoder encoder;
-  const auto bytes = encoder.encode_in_slice(page, digest_of_slice(s.bytes));
+  const auto bytes = encoder.encode_in_slice(page, digest_of(s.bytes));
   EXPECT_EQ(refusal(bytes, s.given(), distance), "");
   const auto says = [](const std::string& what, const char* word) {
     EXPECT_NE(what.find(word), std::string::npos) << what;
   };
   says(refusal(bytes, {}, distance), "the slice of its tile is missing");
-  says(refusal(encoder.encode_in_slice(page, digest_of_slice(other.bytes)), s.given(), distance), "another slice");
+  says(refusal(encoder.encode_in_slice(page, digest_of(other.bytes)), s.given(), distance), "another slice");
   says(refusal(bytes, s.given(), distance_of(true)), "cannot be in a slice");
   Slicing none = s;
   TileSlice nothing;
   nothing.above = kNoSlice;
   none.bytes = SliceCoder().encode(id, extent, distance, nothing);
-  says(refusal(encoder.encode_in_slice(page, digest_of_slice(none.bytes)), none.given(), distance), "holds nothing");
+  says(refusal(encoder.encode_in_slice(page, digest_of(none.bytes)), none.given(), distance), "holds nothing");
   for (const std::size_t at : {1, 3, 6, 16, 20}) {  // coding, form, width, lengths
     auto changed = bytes;
     changed[at] ^= std::byte{at == 6 ? std::uint8_t{6} : std::uint8_t{1}};

@@ -17,6 +17,7 @@
 #include "talus/quadtree.hpp"
 #include "tests/engine/closed_sets.hpp"
 #include "tests/support/forced_kernel.hpp"
+#include "tests/support/random_raster.hpp"
 
 namespace talus::support {
 namespace {
@@ -135,10 +136,10 @@ bool expect_the_same(const RestrictedQuadtree& quadtree, int most_threads = 1) {
 constexpr std::array<double, 8> kShares{0, 0.0003, 0.002, 0.02, 0.1, 0.4, 0.9, 3};
 
 TEST(TriangulationByWords, GivesTheTrianglesOfTheLoopOverVertices) {
-  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+  for (int seed = 1; seed <= property_cases(400); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
-    RestrictedQuadtree quadtree = random_quadtree(random, random_window(random), kShares[seed % kShares.size()]);
+    RestrictedQuadtree quadtree = random_quadtree(random, random_window(random), kShares[static_cast<std::size_t>(seed) % kShares.size()]);
     if (random.chance(0.3)) add_covers(random, quadtree);
     EXPECT_FALSE(expect_the_same(quadtree)) << "a closed set is refused";
     if (HasFailure()) return;
@@ -154,7 +155,7 @@ TEST(TriangulationByWords, GivesThemInWindowsOfAnyWidth) {
       Random random(++seed);
       const GridPoint first{random.between(-5000, 100), random.between(-200, 100)};
       const GridRect window{first, {first.col + cols - 1, first.row + rows - 1}};
-      RestrictedQuadtree quadtree = random_quadtree(random, window, kShares[seed % kShares.size()]);
+      RestrictedQuadtree quadtree = random_quadtree(random, window, kShares[static_cast<std::size_t>(seed) % kShares.size()]);
       if (random.chance(0.3)) add_covers(random, quadtree);
       EXPECT_FALSE(expect_the_same(quadtree));
       if (HasFailure()) return;
@@ -212,11 +213,11 @@ TEST(TriangulationByWords, ThreadsChangeNothing) {
 
 TEST(TriangulationByWords, RefusesExactlyTheSetsThatTheLoopRefuses) {
   int refused = 0, taken = 0;
-  for (std::uint64_t seed = 1; seed <= 800; ++seed) {
+  for (int seed = 1; seed <= property_cases(800); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     const GridRect window = random_window(random);
-    RestrictedQuadtree quadtree = random_quadtree(random, window, kShares[seed % kShares.size()]);
+    RestrictedQuadtree quadtree = random_quadtree(random, window, kShares[static_cast<std::size_t>(seed) % kShares.size()]);
     for (int i = random.between(1, 3); i > 0 && quadtree.vertices.size() > 0; --i) {
       std::vector<GridPoint> members;
       quadtree.vertices.for_each([&](GridPoint p) { members.push_back(p); });
@@ -235,7 +236,7 @@ TEST(TriangulationByWords, RefusesExactlyTheSetsThatTheLoopRefuses) {
 
 TEST(TriangulationByWords, RefusesSetsAtRandomOfWhichNothingIsClosed) {
   int refused = 0;
-  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+  for (int seed = 1; seed <= property_cases(300); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     RestrictedQuadtree quadtree;

@@ -106,6 +106,12 @@ class Tables:
         return value[start : start + lengths[part]]
 
 
+def xxh3(content):
+    xxh = library("xxhash")
+    xxh.XXH3_64bits.restype, xxh.XXH3_64bits.argtypes = ctypes.c_uint64, [ctypes.c_char_p, ctypes.c_size_t]
+    return xxh.XXH3_64bits(content, len(content))
+
+
 def seal_is_whole(path):
     """The file's last 32 bytes fit all the others."""
     xxh = library("xxhash")
@@ -383,9 +389,7 @@ class HeightNumbers:
                 number = self.numbers[before[0] + SIDE * before[1]] if before else 0
                 number = self.numbers[x + SIDE * y] = self.wrap(above.get(x + SIDE * y, number))
                 packed += (number % (1 << self.w)).to_bytes(self.w // 8, "little")
-        xxh = library("xxhash")
-        xxh.XXH3_64bits.restype, xxh.XXH3_64bits.argtypes = ctypes.c_uint64, [ctypes.c_char_p, ctypes.c_size_t]
-        check = xxh.XXH3_64bits(packed, len(packed)) % 2**32
+        check = xxh3(packed) % 2**32
         require(content[:4] == check.to_bytes(4, "little"), "corners of another page above")
         return 4
 
@@ -546,8 +550,9 @@ class Page:
         require(form < 4 or width == 2 and self.database.integer == (form == 4), "form of errors")
         require(bool(flags & 4) == (self.band > 0), "child entries")
         require(24 + heights + errors <= len(content), "parts of a page")
-        require(not flags & 32 or self.band == 0 and not flags & 16, "corners of a page above")
-        self.coding, self.form, self.width, self.drops = coding, form, width, bool(flags & 16)
+        require(not flags & 32 or self.band == 0, "corners of a page above")
+        self.coding, self.form, self.width, self.slice = coding, form, width, self.slice_of_tile()
+        require(bool(flags & 16) == (self.slice is not None), "a tile that is in a slice, and is not")
         self.errors, self.distances, self.heights = {}, {}, None
         self.offset = self.col % self.database.side, self.row % self.database.side
 
@@ -558,25 +563,61 @@ class Page:
         self.valid = self.voids(numbers) if flags & 1 else [1] * n
         self.covers = self.all_covers(numbers, flags & 8) if flags & 2 else [15] * n
         self.below = self.children(numbers) if flags & 4 else []
-        if self.drops:
-            require(form == 0, "implied errors of a page that drops heights")
-            self.all_errors(errors)
-
-        stored, places = [False] * SIDE**2, []
-        for i, p in self.points():
-            places.append(self.offset[0] + i % cols + SIDE * (self.offset[1] + i // cols))
-            dropped = self.drops and self.errors.get(i) == 0 and not self.database.is_near_border(p)
-            stored[places[i]] = bool(self.valid[i] or flags & 1 and self.covers[i]) and not dropped
-        above = self.corners_above(base) if flags & 32 else None
-        square = HeightNumbers(heights, width, stored, above).numbers
-        self.numbers = [square[place] for place in places]
-        self.heights = [height_code(signed(base + square[place]), coding) if stored[place] else 0.0 for place in places]
-
-        if not self.drops:
-            self.all_errors(errors)
+        if self.slice:
+            nothing = coding == form == 0 and width == 2 and heights == errors == b"" and not flags & 32
+            require(nothing, "a page in a slice that has something itself")
+            require(base % 2**64 == self.slice.digest, "another slice than the page's")
+            self.from_slice()
+        else:
+            self.from_page(base, heights, errors, flags)
         if numbers:
             numbers.finish()
         return self
+
+    def slice_of_tile(self):
+        """Section 8.1: what a page has heights and errors from; None if it has its own."""
+        if self.band > 1 or not self.database.keeps:
+            return None
+        children = self.database.children ** (1 - self.band)
+        return self.database.slice(self.x // children, self.y // children)
+
+    def from_page(self, base, heights, errors, flags):
+        stored, places = [False] * SIDE**2, []
+        for i, p in self.points():
+            places.append(self.offset[0] + i % self.cols + SIDE * (self.offset[1] + i // self.cols))
+            stored[places[i]] = bool(self.valid[i] or flags & 1 and self.covers[i])
+        above = self.corners_above(base) if flags & 32 else None
+        square = HeightNumbers(heights, self.width, stored, above).numbers
+        self.numbers = [square[place] for place in places]
+        self.heights = [height_code(signed(base + square[p]), self.coding) if stored[p] else 0.0 for p in places]
+        self.all_errors(errors)
+
+    def from_slice(self):
+        """Section 8.1. A height that the slice does not have is None."""
+        held, self.heights = self.slice.vertices, []
+        for i, p in self.points():
+            height, error, covers = held.get(p, (self.slice.posts.get(p), None, None))
+            self.heights.append(height)
+            if not self.is_own(i % self.cols, i // self.cols):
+                continue
+            self.errors[i] = error or 0
+            if error is None:  # else it is above
+                near = self.database.is_near_border(p)
+                require(near == (p in held), "a slice without a vertex near the border, or with another")
+            require(covers in (None, self.covers[i]), "other covers in a slice")
+        if self.band == 1:
+            self.check_parents_of_missing_pages()
+
+    def check_parents_of_missing_pages(self):
+        """Section 8.1: what a slice has of pages that are not stored."""
+        x, y = self.x * self.database.children, self.y * self.database.children
+        for p, (_, error, covers) in self.slice.vertices.items():
+            page = p[0] // self.database.side - x + self.database.children * (p[1] // self.database.side - y)
+            if spacing(p) >= self.database.children or self.below[page][0]:
+                continue
+            require(error is None and covers == 0, "a vertex of a missing page that is above, or covers something")
+            needing = [self.slice.vertices[q] for q in children_of(p) if q in self.slice.vertices]
+            require(any(e is None for _, e, _ in needing), "a vertex of a missing page that nothing needs")
 
     def corners_above(self, base):
         """{place in the square: height number} of the corners that the page above has, too."""
@@ -789,7 +830,7 @@ class Page:
         counts = self.form == 0 or spacing(p) > 1 or is_centre(p)
         if self.form == 5:
             metres = self.database.metres(self.own_eighths(i, p) / 8)
-        elif counts and self.heights and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
+        elif counts and a is not None and b is not None and self.valid[i] and self.valid[a] and self.valid[b]:
             metres = self.database.metres(abs(self.heights[i] - (self.heights[a] / 2 + self.heights[b] / 2)))
         for q in map(self.index, children_of(p)):
             if q in self.distances:
@@ -865,6 +906,7 @@ class Slice:
 
     def __init__(self, database, x, y, content):
         self.database, self.corner, self.vertices, self.posts = database, (x * TILE, y * TILE), {}, {}
+        self.digest = xxh3(content)
         require(len(content) >= 8, "a slice without its head")
         version, self.flags, self.coding, self.shift, self.above = struct.unpack_from("<4Bi", content)
         require(version == 3 and self.flags <= 7 and self.shift < 40, "head of a slice")
@@ -873,6 +915,7 @@ class Slice:
             require(len(content) == 8 and not (self.flags or self.coding or self.shift), "a slice that holds nothing")
             return
         require(0 <= self.above < (NO_SLICE if database.integer else 4001), "threshold of a slice")
+        require(not database.keeps or self.above == database.kept_code, "threshold of a tolerance")
         require(len(content) >= 20, "a slice without its head")
         self.base, size = struct.unpack_from("<qI", content, 8)
         require(20 + size <= len(content), "bits of a slice")
@@ -1014,14 +1057,15 @@ class Database:
         m = self.manifest = json.loads(found[0])
         require(m["talus"] == 3, "another version")
         layout, step = m["layout"], m["step"]
-        self.keeps = m["errors"].get("finest_tolerance", 0.0) != 0
-        self.integer = step["integer"] and not self.keeps
+        finest, self.lossy = m["errors"].get("finest_tolerance", 0.0), m["errors"]["lossy_bound"]
+        self.integer = step["integer"] and finest == 0
+        self.keeps = finest > self.lossy  # section 8.1
+        self.kept_above = max(finest - self.lossy, 0.0)
+        self.kept_code = bisect.bisect_right(LADDER, self.kept_above) - 1
         self.children, self.side, self.bands = 2 ** layout["band_levels"], layout["page_side"], layout["bands"]
         self.extent = m["extent"]
         require(m["errors"]["kind"] == "exact", "errors of another kind")
         require(m["errors"]["metric"] in ("vertical", "perpendicular"), "errors of another metric")
-        self.lossy = m["errors"]["lossy_bound"]
-        self.kept_above = max(m["errors"].get("finest_tolerance", 0.0) - self.lossy, 0.0)
         self.root = 1
         while self.root <= max(abs(v) for v in self.extent):
             self.root *= 2
@@ -1033,13 +1077,16 @@ class Database:
         fraction = scale < 1 and abs(scale * whole - 1) < 3e-16
         self.factor = (1 if fraction else scale) * per_unit
         self.divisor = step["divisor"] * (whole if fraction else 1)
-        self.pages = {}
+        self.pages, self.slices = {}, {}
+        generations = [m["generation"]] + m["top_generations"]
+        require(not self.keeps or not any(generations), "an update of a database that keeps a tolerance")
 
     def page(self, band, x, y, generation):
         if (band, x, y) not in self.pages:
             found = self.tables.get(band, position(x, y))
             require(found is not None, "page %d/%d of band %d is missing" % (x, y, band))
             require(found[1] == generation, "page %d/%d of band %d is stale" % (x, y, band))
+            require(not self.keeps or generation == 0, "an updated page of a database that keeps a tolerance")
             self.pages[band, x, y] = Page(self, band, x, y).decode(found[0])
         return self.pages[band, x, y]
 
@@ -1110,19 +1157,25 @@ class Database:
 
     def slice(self, x, y):
         """Section 4.2: of the tile whose page of band 1 is (x, y); None where there is none."""
+        if (x, y) not in self.slices:
+            self.slices[x, y] = self.read_slice(x, y)
+        return self.slices[x, y]
+
+    def read_slice(self, x, y):
         found, page = self.tables.get(33, position(x, y)), self.tables.get(1, position(x, y))
-        if page is None or self.keeps:
+        if page is None or self.keeps and not page[0][2] & 16:  # section 8.1: the tile is whole
             return require(found is None, "a slice where none should be")
         require(found is not None, "slice %d/%d is missing" % (x, y))
         require(found[1] == page[1], "slice %d/%d is stale" % (x, y))
         return Slice(self, x, y, found[0])
 
     def samples(self):
-        """Section 8: {grid point: height} of all samples that are data."""
+        """Section 8: {grid point: height} of all samples that are data, but those whose heights nobody has."""
         found = {}
         for page in self.walk(self.extent, lambda *_: True):
             if page.band == 0:
-                found.update((p, self.height(page.heights[i])) for i, p in page.points() if page.valid[i])
+                known = ((p, page.heights[i]) for i, p in page.points() if page.valid[i])
+                found.update((p, self.height(code)) for p, code in known if code is not None)
         return found
 
     def border(self, region):
@@ -1164,16 +1217,18 @@ class Database:
         """Section 8.1: the code of a selected vertex."""
         band = min((spacing(p).bit_length() - 1) // (self.children.bit_length() - 1), self.bands - 1)
         unit = self.children**band
-        page = self.pages.get((band, p[0] // unit // self.side, p[1] // unit // self.side))
+        key = band, p[0] // unit // self.side, p[1] // unit // self.side
+        page = self.pages.get(key)
         if page is None:  # generation 0: such databases are never updated
-            key = band, p[0] // unit // self.side, p[1] // unit // self.side
             if self.tables.get(band, position(*key[1:])) is None:
                 return 0.0
+            if band == 0:  # which may have the corners
+                self.page(1, key[1] // self.children, key[2] // self.children, 0)
             page = self.page(*key, 0)
         i = page.index((p[0] // unit, p[1] // unit))
         error = LADDER[page.errors[i]] if i in page.errors else page.error(i)
-        if (self.kept_above == 0 or error > LADDER[bisect.bisect_right(LADDER, self.kept_above) - 1] or
-                self.is_near_border(p)):
+        if not self.keeps or error > LADDER[self.kept_code] or self.is_near_border(p):
+            require(page.heights[i] is not None, "a kept vertex without a height")
             return page.heights[i]
         a, b = diamond(p)[0]
         return self.kept_height(a) / 2 + self.kept_height(b) / 2

@@ -4,7 +4,8 @@
 Rasters of every coding of heights and of every form of errors, with and without voids, and databases of several inputs,
 of an update and of rounded heights go through the program; the second reader must find every sample bit for bit, for
 regions and tolerances the very triangles of the program's answer, the file's seal whole and its records and slices in
-agreement with its pages. Exits with 77, after saying why, where a library is missing.
+agreement with its pages. Of databases that keep the vertices of a tolerance it must find the heights that are kept, and
+an answer within the tolerance of all. Exits with 77, after saying why, where a library is missing.
 """
 
 import math
@@ -138,34 +139,126 @@ def check_several(program, folder):
     write(folder / "rounded.bin", 2, "h", first)
     rounded = folder / "int16_rounded.talus"
     talus(program, "ingest", "--overwrite", "--height-step", 2.5, folder / "rounded.bin", rounded)
-    # Some pages drop heights and others do not. In feet a rung of the ladder lies between eighths of a foot.
-    for name, rows, tolerance, *options in (
-            ("int16_kept", with_voids(each(mountains(400, 300, 17), round), 17), KEPT),
-            ("int16_kept_in_feet", each(mountains(260, 250, 22), lambda h: round(h / 20)), 0.93, "--vertical-unit", "foot")):
-        write(folder / (name + ".bin"), 2, "h", rows)
-        kept = folder / (name + ".talus")
-        talus(program, "ingest", "--overwrite", "--tolerance", tolerance, *options, folder / (name + ".bin"), kept)
-        talus(program, "verify", kept)
-        check_kept(program, kept, placed(rows, "h"), tolerance)
     seen = check(program, joined, expected) | check(program, updated, expected, generation=1)
     return seen | check(program, rounded, placed(first, "h"), lossy=1.25)
 
 
+def kept_rasters():
+    """name: as in rasters(), with the place of the first sample and the tolerance before the options"""
+    origin = 0, 0
+    yield "int16_kept", 2, "h", with_voids(each(mountains(400, 300, 17), round), 17), origin, KEPT
+    # In feet a rung of the ladder lies between eighths of a foot.
+    yield ("int16_kept_in_feet", 2, "h", each(mountains(260, 250, 22), lambda h: round(h / 20)), origin, 0.93,
+           "--vertical-unit", "foot")
+    yield "int16_kept_whole", 2, "h", with_voids(each(mountains(150, 140, 25), round), 25), origin, 0.3
+    yield "int16_kept_four_tiles", 2, "h", with_voids(each(mountains(200, 150, 26), round), 26), (-150, -70), 90
+    # West of column 0 most errors are above the tolerance, east of it none: a tile is whole, one is in a slice.
+    draw = random.Random(30)
+    yield "int16_kept_one_of_two", 2, "h", [[round(h) if c < 100 else draw.randrange(3) for c, h in enumerate(row)]
+                                            for row in mountains(300, 120, 30)], (-100, 0), 3
+    yield "int16_kept_thin", 2, "h", each(mountains(3, 300, 27), round), (-1, -7), 60
+    yield "int16_kept_line", 2, "h", each(mountains(200, 1, 28), round), origin, 60
+    # Voids along three sides of the border; pages without data beside pages with some.
+    yield ("int16_kept_void_half", 2, "h", [[h if c < 118 else VOID for c, h in enumerate(row)]
+                                            for row in each(mountains(300, 140, 29), round)], origin, KEPT)
+    yield ("int16_kept_rounded", 2, "h", with_voids(each(mountains(150, 140, 31), round), 31), origin, 100,
+           "--height-step", 2.5)
+    yield "float32_kept", 4, "f", with_voids(each(mountains(260, 150, 32), lambda h: round(h, 1)), 32), origin, 80.5
+    # These heights are too far from each other for a slice.
+    yield "float64_kept_any", 5, "d", with_voids(mountains(150, 50, 33), 33), origin, 70
+
+
+def check_all_kept(program, folder):
+    """Databases that keep the vertices of a tolerance; all that can occur in them must be in one of them."""
+    seen = {}
+    for name, number, letter, rows, place, tolerance, *options in kept_rasters():
+        kept, raster, origin = (folder / (name + ending) for ending in (".talus", ".bin", "_origin.bin"))
+        write(origin, number, letter, [rows[-place[1]][-place[0] :]])  # the first of several inputs begins at (0, 0)
+        write(raster, number, letter, rows, *place)
+        talus(program, "ingest", "--overwrite", "--tolerance", tolerance, *options, origin, raster, kept)
+        talus(program, "verify", kept)
+        for kind, number in check_kept(program, kept, placed(rows, letter, *place), tolerance).items():
+            seen[kind] = seen.get(kind, 0) + number
+    if not all(seen.values()):
+        sys.exit("some of these do not occur in any database that keeps a tolerance: %s" % seen)
+
+
 def check_kept(program, file, expected, tolerance):
-    """A database that keeps the vertices of a tolerance: its answers, and that some pages drop heights."""
-    database = read_v3.Database(file)
+    """A database that keeps the vertices of a tolerance: its answers, pages and slices. Returns how many of what."""
+    name, database = file.stem, read_v3.Database(file)
+    if not database.keeps or not read_v3.seal_is_whole(file):
+        sys.exit("%s: it keeps no tolerance, or the seal does not fit" % name)
     answers = check_answers(program, file, database)
-    c0, r0, c1, r1 = database.extent
-    _, heights = database.mesh([c0, r0, c1, r1], tolerance)
-    for p, z in heights.items():
-        if p in expected and z != expected[p]:
-            sys.exit("%s: vertex %s of the finest answer has %g, the raster has %g" % (file.stem, p, z, expected[p]))
-    if not any(page.drops for page in database.pages.values()):
-        sys.exit("%s: no page dropped a height" % file.stem)
-    if any(database.slice(x, y) for band, x, y in database.pages if band == 1):
-        sys.exit("%s: slices of a database that keeps a tolerance" % file.stem)
-    print("%-26s %6d triangles in 5 answers, %d of %d pages drop heights"
-          % (file.stem, answers, sum(page.drops for page in database.pages.values()), len(database.pages)))
+    check_finest(name, database, expected, tolerance)
+    known = database.samples()
+    check_heights(name, database, known, expected)
+    for page in database.pages.values():
+        if any(bool(page.valid[i]) != (p in expected) for i, p in page.points()):
+            sys.exit("%s: page %d/%d of band %d has other voids than the raster" % (name, page.x, page.y, page.band))
+        check_entries(name, database, page, expected)
+
+    tiles = {(x, y): database.slice(x, y) for band, x, y in database.pages if band == 1}
+    slices = [found for found in tiles.values() if found]
+    for found in slices:
+        heights = {p: height for p, (height, _, _) in found.vertices.items()}
+        check_heights(name, database, {p: database.height(h) for p, h in {**heights, **found.posts}.items()
+                                       if p in expected}, expected)
+    vertices = [(p, error) for found in slices for p, (_, error, _) in found.vertices.items()]
+    seen = {"tiles in slices": len(slices), "tiles whole": len(tiles) - len(slices),
+            "vertices above": sum(error is not None for _, error in vertices),
+            "not above": sum(error is None for _, error in vertices),
+            "of no page": sum(not has_page(database, p) for p, _ in vertices)}
+    print("%-26s %6d of %6d samples, %6d triangles in 5 answers, %3d pages, %s"
+          % (name, len(known), len(expected), answers, len(database.pages),
+             ", ".join("%s %d" % kind for kind in seen.items())))
+    return seen
+
+
+def has_page(database, p):
+    """Whether the page of a vertex of spacing 1 to 32 is stored; all pages must have been read."""
+    band = int(read_v3.spacing(p) >= 8)
+    cells = 128 * 8**band
+    return (band, p[0] // cells, p[1] // cells) in database.pages
+
+
+def check_heights(name, database, found, expected):
+    """Heights of samples that are data against the raster's."""
+    for p, height in found.items():
+        lossy = database.lossy / database.manifest["vertical"]["metres_per_unit"]
+        if abs(height - expected[p]) > lossy or (lossy == 0 and bits(height) != bits(expected[p])):
+            sys.exit("%s: sample %s has %s, the raster has %s" % (name, p, height, expected[p]))
+
+
+def check_finest(name, database, expected, tolerance):
+    """The finest answer: its vertices have their own heights, and no sample under it is farther than the tolerance."""
+    triangles, heights = database.mesh(database.extent, tolerance)
+    check_heights(name, database, {p: height for p, height in heights.items() if p in expected}, expected)
+    metres = database.manifest["vertical"]["metres_per_unit"]
+    for a, b, c in triangles:
+        corners = [(q[0] - a[0], q[1] - a[1]) for q in (a, b, c)]
+        area, samples = read_v3.samples_in(*corners)
+        for x, y, wa, wb, wc in samples:
+            p, surface = (a[0] + x, a[1] + y), (wa * heights[a] + wb * heights[b] + wc * heights[c]) / area
+            if p in expected and abs(surface - expected[p]) * metres > tolerance * (1 + 1e-12):
+                sys.exit("%s: sample %s is %s, the finest answer has %s there" % (name, p, expected[p], surface))
+
+
+def check_entries(name, database, page, expected):
+    """Section 5.4, what a page says of those below: the largest error as it is stored, the heights of the raster."""
+    cells = page.unit * 16  # of a page below
+    for k, (stored, largest, lowest, highest, _) in enumerate(page.below):
+        if not stored:
+            continue
+        x, y = page.x * 8 + k % 8, page.y * 8 + k // 8
+        below = database.pages[page.band - 1, x, y]
+        errors = [below.count(i) or 0 for i, _ in below.points()] + [entry[1] for entry in below.below]
+        heights = [h for (c, r), h in expected.items() if (c // cells, r // cells) == (x, y)]
+        exact = (min(heights, default=math.inf), max(heights, default=-math.inf))
+        slack = database.lossy + 1e-6 * max(map(abs, heights), default=0)
+        if largest != max(errors, default=0) or any(a != b and not abs(a - b) <= slack
+                                                    for a, b in zip((lowest, highest), exact)):
+            sys.exit("%s: page %d/%d of band %d has %s, its entry %s" % (
+                name, x, y, page.band - 1, (max(errors, default=0), *exact), (largest, lowest, highest)))
 
 
 def check_samples(database, expected, lossy):
@@ -329,6 +422,7 @@ def main():
         for raster in rasters():
             seen.update(check_one(program, folder, *raster))
         seen.update(check_several(program, folder))
+        check_all_kept(program, folder)
     except read_v3.Missing as missing:
         print("skipped:", missing)
         sys.exit(77)

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/page/tile_slice.hpp"
+#include "engine/quadtree/border.hpp"
 #include "talus/ingest.hpp"
 #include "talus/talus.hpp"
 #include "tests/support/forged_database.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "engine/page/digest.hpp"
 #include "engine/page/tile_slice.hpp"
 #include "tests/support/given_page.hpp"
 
@@ -52,7 +53,7 @@ void Forgery::put(const Page& page) {
   const TileId tile = tile_with(page.id);
   stored[key(page.id)].content =
       page.is_sliced ? encoder.encode_in_slice(
-                           page, digest_of_slice(stored.at({kSliceTable, curve_position({1, tile.x, tile.y})}).content))
+                           page, digest_of(stored.at({kSliceTable, curve_position({1, tile.x, tile.y})}).content))
                      : encoder.encode(page, distance());
 }
 

@@ -1,8 +1,7 @@
-#include "engine/page/extent_border.hpp"
+#include "engine/quadtree/extent_border.hpp"
 
 #include <algorithm>
 
-#include "engine/page/page_layout.hpp"
 #include "engine/quadtree/border.hpp"
 
 namespace talus {
