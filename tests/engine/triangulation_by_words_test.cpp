@@ -139,7 +139,8 @@ TEST(TriangulationByWords, GivesTheTrianglesOfTheLoopOverVertices) {
   for (int seed = 1; seed <= property_cases(400); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
-    RestrictedQuadtree quadtree = random_quadtree(random, random_window(random), kShares[static_cast<std::size_t>(seed) % kShares.size()]);
+    RestrictedQuadtree quadtree =
+        random_quadtree(random, random_window(random), kShares[static_cast<std::size_t>(seed) % kShares.size()]);
     if (random.chance(0.3)) add_covers(random, quadtree);
     EXPECT_FALSE(expect_the_same(quadtree)) << "a closed set is refused";
     if (HasFailure()) return;
@@ -155,7 +156,8 @@ TEST(TriangulationByWords, GivesThemInWindowsOfAnyWidth) {
       Random random(++seed);
       const GridPoint first{random.between(-5000, 100), random.between(-200, 100)};
       const GridRect window{first, {first.col + cols - 1, first.row + rows - 1}};
-      RestrictedQuadtree quadtree = random_quadtree(random, window, kShares[static_cast<std::size_t>(seed) % kShares.size()]);
+      RestrictedQuadtree quadtree =
+          random_quadtree(random, window, kShares[static_cast<std::size_t>(seed) % kShares.size()]);
       if (random.chance(0.3)) add_covers(random, quadtree);
       EXPECT_FALSE(expect_the_same(quadtree));
       if (HasFailure()) return;
@@ -217,7 +219,8 @@ TEST(TriangulationByWords, RefusesExactlyTheSetsThatTheLoopRefuses) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     const GridRect window = random_window(random);
-    RestrictedQuadtree quadtree = random_quadtree(random, window, kShares[static_cast<std::size_t>(seed) % kShares.size()]);
+    RestrictedQuadtree quadtree =
+        random_quadtree(random, window, kShares[static_cast<std::size_t>(seed) % kShares.size()]);
     for (int i = random.between(1, 3); i > 0 && quadtree.vertices.size() > 0; --i) {
       std::vector<GridPoint> members;
       quadtree.vertices.for_each([&](GridPoint p) { members.push_back(p); });
