@@ -52,8 +52,8 @@ Difference Session::next(const Snapshot& now, GridRect region, Metres tolerance)
   if (same_state && region == vertices_.region() && tolerance < tolerance_) {
     difference.is_increment = true;
     difference.added = increment_of(now.ask({.region = region, .tolerance = tolerance, .from = tolerance_}));
-    has = vertices_;
-    difference.added.added.vertices.for_each([&](GridPoint p) { has.insert(p); });
+    has = std::move(vertices_);
+    has.insert(difference.added.added.vertices);
   } else {
     Answer answer = now.ask({.region = region, .tolerance = tolerance});
     difference.added.cost = answer.cost;

@@ -1,5 +1,7 @@
 #include "engine/dense/square_bits.hpp"
 
+#include <cstring>
+
 #include "engine/machine/cpu.hpp"
 
 namespace talus {
@@ -22,6 +24,13 @@ class Rows {
   }
   Row& at(int row) { return rows_[static_cast<std::size_t>(row)]; }
 
+  /// The samples around which one within one column and row is set.
+  [[nodiscard]] Rows grown() const {
+    Rows along, result;
+    for (int row = 0; row < kSide; ++row) along.at(row) = (*this)[row] | (*this)[row] << 1 | (*this)[row] >> 1;
+    for (int row = 0; row < kSide; ++row) result.at(row) = along[row - 1] | along[row] | along[row + 1];
+    return result;
+  }
   /// The samples around which all within one column and row are set.
   [[nodiscard]] Rows eroded() const {
     Rows along, result;
@@ -58,6 +67,35 @@ TALUS_CLONES int count_of(const std::uint64_t (*rows)[2]) {
 }  // namespace
 
 std::size_t count(const SquareBits& bits) { return static_cast<std::size_t>(count_of(bits.data())); }
+
+void insert_row(SquareBits& bits, int col, int row, std::span<const std::uint8_t> bytes) {
+  std::size_t i = 0;
+  if constexpr (std::endian::native == std::endian::little) {
+    // Eight bytes at once: the product moves byte k's bit to bit 56 + k, and no two others to one place.
+    auto& words = bits[static_cast<std::size_t>(row)];
+    for (; i + 8 <= bytes.size(); i += 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, bytes.data() + i, 8);
+      const std::uint64_t found = (eight * 0x0102040810204080) >> 56;
+      const std::size_t at = static_cast<std::size_t>(col) + i;
+      words[at / 64] |= found << at % 64;
+      if (at % 64 > 56 && at < 64) words[1] |= found >> (64 - at);
+    }
+  }
+  for (; i < bytes.size(); ++i) {
+    if (bytes[i] != 0) insert(bits, col + static_cast<int>(i), row);
+  }
+}
+
+SquareBits grown(const SquareBits& bits) {
+  const Rows rows = Rows(bits).grown();
+  SquareBits result;
+  for (int row = 0; row < kSide; ++row) {
+    result[static_cast<std::size_t>(row)][0] = static_cast<std::uint64_t>(rows[row]);
+    result[static_cast<std::size_t>(row)][1] = static_cast<std::uint64_t>(rows[row] >> 64);
+  }
+  return result;
+}
 
 SquareBits implied_places(const SquareBits& data) {
   const Rows samples(data);

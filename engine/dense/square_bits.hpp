@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "engine/dense/dense_kernel.hpp"
 
@@ -27,6 +28,12 @@ inline void insert(SquareBits& bits, int col, int row) {
 inline void insert(SquareBits& bits, std::size_t at) {
   insert(bits, static_cast<int>(at % detail::kDenseSide), static_cast<int>(at / detail::kDenseSide));
 }
+
+/// Inserts those of a row's samples from `col` on whose byte is 1; the others are 0.
+void insert_row(SquareBits& bits, int col, int row, std::span<const std::uint8_t> bytes);
+
+/// All bits within one column and one row of a bit.
+[[nodiscard]] SquareBits grown(const SquareBits& bits);
 
 /// The bits of `all` that `some` lacks.
 [[nodiscard]] inline SquareBits without(SquareBits all, const SquareBits& some) {

@@ -45,11 +45,15 @@ SquareBits present_samples(const PageGrid& grid) {
 }
 
 SquareBits data_samples(const Page& page) {
-  if (page.valid.empty()) return present_samples(page.grid);
+  return page.valid.empty() ? present_samples(page.grid) : marked_samples(page.grid, page.valid);
+}
+
+SquareBits marked_samples(const PageGrid& grid, std::span<const std::uint8_t> bytes) {
   SquareBits bits{};
-  for (std::size_t i = 0; i < page.valid.size(); ++i) {
-    if (page.valid[i] != 0) insert(bits, page.in_square(i));
-  }
+  const int first_col = grid.first.col & (kPageSide - 1), first_row = grid.first.row & (kPageSide - 1);
+  const auto cols = static_cast<std::size_t>(grid.cols);
+  for (int row = 0; row < grid.rows; ++row)
+    insert_row(bits, first_col, first_row + row, bytes.subspan(static_cast<std::size_t>(row) * cols, cols));
   return bits;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/dense/eighths_kernel.hpp"
@@ -63,9 +64,9 @@ struct Page {
   std::vector<std::uint8_t> covers;  ///< RestrictedQuadtree::covers of own vertices; empty: all 15
   std::vector<ChildEntry> children;  ///< kChildrenAcross² row by row; empty in the finest band
 
-  /// Decoded: all heights and errors are those of the slice of its tile. Other heights are unspecified, other errors 0.
-  bool is_sliced = false;
-  SquareBits held{};  ///< sliced: the samples of the square that the slice has
+  /// Decoded: not empty if heights and errors are those of the slice of the tile. Then one: the samples of the square that
+  /// the slice has. The heights of others are unspecified, their errors 0.
+  std::vector<SquareBits> in_slice;
 
   [[nodiscard]] std::size_t index(std::int32_t col, std::int32_t row) const { return grid.index(col, row); }
   [[nodiscard]] std::size_t index(GridPoint p) const {
@@ -75,7 +76,8 @@ struct Page {
   [[nodiscard]] bool is_own(GridPoint p) const { return band_of(p, bands) == id.band; }
   [[nodiscard]] bool is_data(std::size_t i) const { return valid.empty() || valid[i] != 0; }
   /// Whether the height of sample i was not stored.
-  [[nodiscard]] bool is_dropped(std::size_t i) const { return is_sliced && !has(held, in_square(i)); }
+  [[nodiscard]] bool is_dropped(std::size_t i) const { return is_sliced() && !has(in_slice.front(), in_square(i)); }
+  [[nodiscard]] bool is_sliced() const { return !in_slice.empty(); }
 
   /// The height code of sample i.
   [[nodiscard]] double height(std::size_t i) const {
@@ -133,6 +135,8 @@ struct Page {
 /// The samples of a page's square that exist, and those of them that are data.
 [[nodiscard]] SquareBits present_samples(const PageGrid& grid);
 [[nodiscard]] SquareBits data_samples(const Page& page);
+/// The samples for which `bytes`, row by row over the page's grid, has a 1 and not a 0.
+[[nodiscard]] SquareBits marked_samples(const PageGrid& grid, std::span<const std::uint8_t> bytes);
 
 /// An entry with the range of the page's valid stored heights, without an error.
 [[nodiscard]] ChildEntry range_of(const Page& page, const HeightStep& step);

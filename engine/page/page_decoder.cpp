@@ -67,7 +67,7 @@ struct SliceInHand {
 
 struct PageDecoder::Scratch : PageWorkspace {
   HeightsAbove above;
-  std::optional<SliceInHand> in_slice;
+  std::optional<SliceInHand> slice_in_hand;
   bool is_decoded = false;  ///< the page, and `above` has not taken it yet
   bool corners_differ = false;
   NumberReader in;
@@ -109,7 +109,7 @@ void PageDecoder::Scratch::begin(PageId id, GridRect extent, int bands) {
   page.bands = bands;
   page.grid = page_grid(id, extent);
   page.is_dense = false;
-  page.is_sliced = false;
+  page.in_slice.clear();
   page.heights.clear();
   page.errors.clear();
   page.coded.clear();
@@ -164,7 +164,6 @@ void PageDecoder::Scratch::get_head(std::span<const std::byte> bytes, const Code
 void PageDecoder::Scratch::get_most(GridRect extent, const CodeDistance& distance, const BytesOf& other) {
   const std::size_t n = page.grid.size();
   page.is_dense = head.errors >= ErrorForm::dense;
-  page.is_sliced = head.has(kInSlice);
   page.base = head.base;
   if (head.has(kHasVoids)) {
     page.valid.resize(n);
@@ -178,12 +177,12 @@ void PageDecoder::Scratch::get_most(GridRect extent, const CodeDistance& distanc
   }
   if (head.has(kHasChildren) && !get_children(page.children, in)) corrupt("its child entries are wrong");
   mark_needed(page);
-  page.is_sliced ? get_from_slice(extent, distance, other) : get_heights();
+  head.has(kInSlice) ? get_from_slice(extent, distance, other) : get_heights();
 }
 
 void PageDecoder::Scratch::get_from_slice(GridRect extent, const CodeDistance& distance, const BytesOf& other) {
-  if (!in_slice) in_slice.emplace();
-  SliceInHand& from = *in_slice;
+  if (!slice_in_hand) slice_in_hand.emplace();
+  SliceInHand& from = *slice_in_hand;
   const TileId tile = tile_with(page.id);
   const auto digest = static_cast<std::uint64_t>(head.base);
   if (from.slice == nullptr || !(from.tile == tile) || from.digest != digest) {
@@ -198,21 +197,21 @@ void PageDecoder::Scratch::get_from_slice(GridRect extent, const CodeDistance& d
   const TileSlice& slice = *from.slice;
   page.heights.assign(page.grid.size(), 0);
   page.errors.assign(page.grid.size(), 0);
-  page.held = {};
+  page.in_slice.assign(1, SquareBits{});
   for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
     const std::uint32_t place = place_in_tile(p);
     if (spacing(p) >= kBlockSide) {
       page.heights[i] = slice.posts[place / kTileSide / kBlockSide * kTileBlocks + place % kTileSide / kBlockSide];
     } else if (from.coder.has(place)) {
-      const std::size_t at = from.coder.index_of(place);
-      page.heights[i] = slice.heights[at];
-      if (page.is_own(p) && slice.errors[at] > slice.above) page.errors[i] = static_cast<ErrorCode>(slice.errors[at]);
+      page.heights[i] = from.coder.height_at(place);
+      const std::int32_t error = from.coder.error_at(place);
+      if (page.is_own(p) && error > slice.above) page.errors[i] = static_cast<ErrorCode>(error);
     } else {
       const bool is_needed = needed.empty() || needed[i] != 0;
       if (is_needed && page.is_own(p) && is_near_border(p, extent)) corrupt("a height near the border is missing");
       return;
     }
-    insert(page.held, page.in_square(i));
+    insert(page.in_slice.front(), page.in_square(i));
   });
 }
 
@@ -302,7 +301,7 @@ void PageDecoder::Scratch::get_dense_errors(const CodeDistance& distance) {
 void PageDecoder::Scratch::get_other_errors(const CodeDistance& distance) {
   if (head.errors == ErrorForm::whole) copy_whole(head.width);
   errors_of.imply(head.errors, whole_square, page);
-  if (page.is_sliced) return;
+  if (page.is_sliced()) return;
   page.errors.assign(page.grid.size(), 0);
   stored.list(page, head.errors);
   if (!stored.get(error_bytes, page, distance)) corrupt(kWrongErrors);
@@ -322,7 +321,7 @@ void PageDecoder::Scratch::read_above(PageId id, GridRect extent, int bands, con
   page.id = id;
   if (bytes.empty()) corrupt("the page above it is missing");
   decode_heights(parent, extent, bands, distance, bytes, {});
-  if (page.is_sliced) corrupt("the page above it has no heights of its own");
+  if (page.is_sliced()) corrupt("the page above it has no heights of its own");
   above.take(page);
 }
 

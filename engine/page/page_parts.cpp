@@ -60,14 +60,7 @@ void PageWorkspace::mark_needed(const Page& of) {
 
 const SquareBits* PageWorkspace::stored_samples() {
   if (needed.empty() && page.grid.size() == kSquare) return nullptr;
-  if (needed.empty()) {
-    stored_bits = present_samples(page.grid);
-  } else {
-    stored_bits = {};
-    for (std::size_t i = 0; i < needed.size(); ++i) {
-      if (needed[i] != 0) insert(stored_bits, page.in_square(i));
-    }
-  }
+  stored_bits = needed.empty() ? present_samples(page.grid) : marked_samples(page.grid, needed);
   return &stored_bits;
 }
 

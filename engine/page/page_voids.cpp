@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "engine/dense/square_bits.hpp"
 #include "engine/quadtree/apex_halves.hpp"
 
 namespace talus {
@@ -78,23 +79,11 @@ void get_voids(const PageGrid& grid, std::span<std::uint8_t> valid, int context,
 namespace {
 
 /// Guesses covers from the page's voids, finest level first; samples outside the page count as valid.
-/// visit(col, row, guess, inside) returns the true cover.
+/// visit(index, guess, inside) returns the true cover. If guesses are right inside the page, it is called only where voids
+/// are near.
 template <class Visit>
-void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid,
+void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid, bool inner_follow,
                  std::span<std::uint8_t> covers, Visit&& visit) {
-  // The number of valid samples in the rectangle from the north-west corner to each sample; at most 2^14.
-  std::vector<std::uint16_t> sums(static_cast<std::size_t>(grid.cols + 1) * static_cast<std::size_t>(grid.rows + 1));
-  const auto sum = [&](int col, int row) -> std::uint16_t& {
-    return sums[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.cols + 1) +
-                static_cast<std::size_t>(col)];
-  };
-  for (int row = 0; row < grid.rows; ++row) {
-    std::uint16_t in_row = 0;
-    for (int col = 0; col < grid.cols; ++col) {
-      in_row = static_cast<std::uint16_t>(in_row + (valid.empty() ? 1 : valid[grid.index(col, row)]));
-      sum(col + 1, row + 1) = static_cast<std::uint16_t>(sum(col + 1, row) + in_row);
-    }
-  }
   const auto has = [&](GridPoint p) { return p.col >= 0 && p.row >= 0 && p.col < grid.cols && p.row < grid.rows; };
   const auto in_units = [&](int col, int row) { return GridPoint{grid.first.col + col, grid.first.row + row}; };
   const auto holds_data = [&](GridPoint vertex, Triangle t) {
@@ -131,28 +120,53 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
     }
     return guess;
   };
-  const int levels = id.band == bands - 1 ? kPageShift : kBandLevels;
-  std::fill(covers.begin(), covers.end(), std::uint8_t{0});
+  const bool is_coarsest = id.band == bands - 1;
+  const int levels = is_coarsest ? kPageShift : kBandLevels;
+  // Bit c of row r is about column c and row r of the page's grid.
+  SquareBits all{}, data{};
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int word = 0; word < 2; ++word) {
+      const int cols = std::clamp(grid.cols - 64 * word, 0, 64);
+      all[static_cast<std::size_t>(row)][word] = cols == 0 ? 0 : ~std::uint64_t{0} >> (64 - cols);
+    }
+    if (!valid.empty())
+      insert_row(data, 0, row, valid.subspan(grid.index(0, row), static_cast<std::size_t>(grid.cols)));
+  }
+  if (valid.empty()) data = all;
+  const SquareBits voids = without(all, data);
+  const bool only_near_voids = inner_follow && !is_coarsest;
+  std::fill(covers.begin(), covers.end(), only_near_voids ? std::uint8_t{15} : std::uint8_t{0});
+  if (only_near_voids) {
+    constexpr int kStep = 1 << kBandLevels;
+    for (int row = -grid.first.row & (kStep - 1); row < grid.rows; row += kStep) {
+      for (int col = -grid.first.col & (kStep - 1); col < grid.cols; col += kStep) covers[grid.index(col, row)] = 0;
+    }
+  }
+  // Within s columns and rows.
+  SquareBits near_voids = voids, near_data = data;
   const auto settle = [&](int col, int row, int s) {
     const std::size_t i = grid.index(col, row);
     const bool inside = col >= s && row >= s && col + s < grid.cols && row + s < grid.rows;
     unsigned guess = 15;
     if (inside) {
-      const int data =
-          sum(col + s + 1, row + s + 1) - sum(col - s, row + s + 1) - sum(col + s + 1, row - s) + sum(col - s, row - s);
-      if (data < (2 * s + 1) * (2 * s + 1)) guess = data == 0 ? 0 : guess_inside(i, in_units(col, row), s);
+      if (talus::has(near_voids, col, row))
+        guess = talus::has(near_data, col, row) ? guess_inside(i, in_units(col, row), s) : 0;
     } else if (s < kPageSide) {
       guess = guess_at_the_rim(in_units(col, row));
     }
     covers[i] = visit(i, static_cast<std::uint8_t>(guess), inside);
   };
   for (int s = 1; s < 1 << levels; s *= 2) {
+    for (int reach = s / 2; reach < s; ++reach) near_voids = grown(near_voids), near_data = grown(near_data);
     for (const bool centres : {false, true}) {
       for (int row = -grid.first.row & (s - 1); row < grid.rows; row += s) {
         const bool row_odd = ((grid.first.row + row) & s) != 0;
         if (centres && !row_odd) continue;
-        const int phase = centres || !row_odd ? s : 0;
-        for (int col = (phase - grid.first.col) & (2 * s - 1); col < grid.cols; col += 2 * s) settle(col, row, s);
+        const int phase = centres || !row_odd ? s : 0, first = (phase - grid.first.col) & (2 * s - 1);
+        const bool is_rim = !only_near_voids || row < s || row + s >= grid.rows;
+        for (int col = first; col < grid.cols; col += 2 * s) {
+          if (is_rim || col < s || col + s >= grid.cols || talus::has(near_voids, col, row)) settle(col, row, s);
+        }
       }
     }
   }
@@ -174,7 +188,7 @@ bool put_covers(PageId id, int bands, const PageGrid& grid, std::span<const std:
   changes.reserve(covers.size());
   bool inner_follow = true;
   std::vector<std::uint8_t> settled(covers.size());
-  walk_covers(id, bands, grid, valid, settled, [&](std::size_t i, std::uint8_t guess, bool inside) {
+  walk_covers(id, bands, grid, valid, false, settled, [&](std::size_t i, std::uint8_t guess, bool inside) {
     changes.push_back({static_cast<std::uint8_t>(covers[i] ^ guess), inside});
     if (inside && covers[i] != guess) inner_follow = false;
     return covers[i];
@@ -188,7 +202,7 @@ bool put_covers(PageId id, int bands, const PageGrid& grid, std::span<const std:
 bool get_covers(PageId id, int bands, const PageGrid& grid, std::span<const std::uint8_t> valid, bool inner_follow,
                 std::span<std::uint8_t> covers, int context, NumberReader& in) {
   bool possible = true;
-  walk_covers(id, bands, grid, valid, covers, [&](std::size_t, std::uint8_t guess, bool inside) {
+  walk_covers(id, bands, grid, valid, inner_follow, covers, [&](std::size_t, std::uint8_t guess, bool inside) {
     if (inner_follow && inside) return guess;
     const std::uint64_t change = in.get(context + (inside ? 0 : 1));
     possible = possible && change <= 15;

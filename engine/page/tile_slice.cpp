@@ -20,6 +20,7 @@ constexpr int kMostShift = 40;  ///< more than any bend has bits
 enum Flag : std::uint8_t { kHasCovers = 1, kErrorsMayBeLess = 2, kSomeAreNotAbove = 4, kAllFlags = 7 };
 
 constexpr int kWords = kTileSide / 64;
+constexpr std::size_t kPlaces = static_cast<std::size_t>(kTileSide) * kTileSide;
 constexpr int kLevels = kTileLevels, kClasses = 5, kSources = 3;
 constexpr int kErrorLevels = kBandLevels + 1;  ///< spacings 1, 2, 4, and those of band 1
 
@@ -72,7 +73,6 @@ class Vertices {
     first_ = {part.first.col - corner.col, part.first.row - corner.row};
     last_ = {part.last.col - corner.col, part.last.row - corner.row};
     bits_.assign(static_cast<std::size_t>(kTileSide) * kWords, 0);
-    index_.resize(static_cast<std::size_t>(kTileSide) * kTileSide);
     // Points outside the tile or the extent count as present: no candidate needs them.
     std::uint64_t outside[kWords];
     for (int w = 0; w < kWords; ++w) {
@@ -96,10 +96,16 @@ class Vertices {
   }
   /// Whether a point in the tile and the extent is a vertex or has spacing 64 and more.
   [[nodiscard]] bool has(std::int32_t col, std::int32_t row) const {
-    return is_inside(col, row) &&
-           (bits_[static_cast<std::size_t>(row) * kWords + static_cast<std::size_t>(col) / 64] >> (col % 64) & 1) != 0;
+    return is_inside(col, row) && has_inside(col, row);
   }
-  std::uint32_t& index(std::uint32_t place) { return index_[place]; }
+  /// Whether all points within s of one in the tile and the extent are there, too.
+  [[nodiscard]] bool is_amid(std::int32_t col, std::int32_t row, std::int32_t s) const {
+    return col - s >= first_.col && col + s <= last_.col && row - s >= first_.row && row + s <= last_.row;
+  }
+  /// The same for a point in the tile and the extent.
+  [[nodiscard]] bool has_inside(std::int32_t col, std::int32_t row) const {
+    return (bits_[static_cast<std::size_t>(row) * kWords + static_cast<std::size_t>(col) / 64] >> (col % 64) & 1) != 0;
+  }
 
   /// is_vertex(place) for each candidate, and add(candidate) for those that are. Level by level, centres before side
   /// midpoints, row by row.
@@ -164,11 +170,12 @@ class Vertices {
     c.level = static_cast<std::uint8_t>(level);
     c.is_side = is_side;
     const Diamond d = diamond({col, row});
+    const bool amid = is_amid(col, row, 1 << level);  // then it has both apexes: it is a candidate
     for (int i = 0; i < 2; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const GridPoint end = d.ends[at], apex = d.apexes[at];
-      c.has_end[i] = has(end.col, end.row);
-      c.has_apex[i] = has(apex.col, apex.row);
+      c.has_end[i] = amid ? has_inside(end.col, end.row) : has(end.col, end.row);
+      c.has_apex[i] = amid || has(apex.col, apex.row);
       c.ends[i] = static_cast<std::uint32_t>(end.row * kTileSide + end.col);
       c.apexes[i] = static_cast<std::uint32_t>(apex.row * kTileSide + apex.col);
     }
@@ -176,7 +183,6 @@ class Vertices {
   }
 
   std::vector<std::uint64_t> bits_;  ///< by row, 1 where no parent is missing: vertices, and points outside
-  std::vector<std::uint32_t> index_;
   std::uint64_t beyond_[kWords], inside_[kWords];
   GridPoint first_, last_;
 };
@@ -225,11 +231,11 @@ void TileSlice::add_missing_parents(TileId id, GridRect extent) {
 
 struct SliceCoder::Scratch {
   Vertices vertices;
-  std::vector<std::int64_t> numbers;  ///< of posts, then of vertices in the order of candidates
   std::vector<Candidate> found;
-  std::vector<std::int32_t> errors;  ///< of vertices in that order
-  std::vector<std::uint8_t> covers;  ///< of those before the one that is coded
-  std::vector<std::uint8_t> bits;    ///< of candidates
+  std::vector<std::uint8_t> bits;  ///< of candidates
+  // By place. Those of places that the slice does not have mean nothing. Empty until they are needed.
+  std::vector<std::int32_t> numbers, errors;  ///< numbers: of posts, too
+  std::vector<std::uint8_t> covers;
   TileSlice slice;
   NumberReader in;
   NumberWriter out;
@@ -241,12 +247,14 @@ struct SliceCoder::Scratch {
 
   void begin(TileId id, GridRect extent) {
     vertices.begin(id, extent);
-    numbers.clear(), found.clear(), errors.clear(), covers.clear(), bits.clear();
-    for (std::uint32_t i = 0; i < slice.posts.size(); ++i)
-      vertices.index(i / kTileBlocks * kBlockSide * kTileSide + i % kTileBlocks * kBlockSide) = i;
+    found.clear(), bits.clear();
+    numbers.resize(kPlaces), errors.resize(kPlaces);
+  }
+  static std::size_t place_of_post(std::size_t i) {
+    return (i / kTileBlocks * kTileSide + i % kTileBlocks) * static_cast<std::size_t>(kBlockSide);
   }
 
-  [[nodiscard]] std::int64_t number_at(std::uint32_t place) { return numbers[vertices.index(place)]; }
+  [[nodiscard]] std::int64_t number_at(std::uint32_t place) const { return numbers[place]; }
 
   /// How far the ground around a vertex is from a level plane: its ends, and the sum of its apexes.
   [[nodiscard]] static std::uint64_t bend_around(std::int64_t a, std::int64_t b, std::int64_t across) {
@@ -299,16 +307,17 @@ struct SliceCoder::Scratch {
     std::int64_t least = std::int64_t{above} + 1;
     int source = 0;
     if (c.has_end[0] && c.has_end[1]) {
-      const std::int64_t own = own_error(numbers[slice.posts.size() + i], number_at(c.ends[0]), number_at(c.ends[1]));
+      const std::int64_t own = own_error(number_at(c.place), number_at(c.ends[0]), number_at(c.ends[1]));
       if (own > least) least = own, source = 1;
     }
-    const Children below =
-        children({static_cast<std::int32_t>(c.place % kTileSide), static_cast<std::int32_t>(c.place / kTileSide)});
+    const GridPoint here{static_cast<std::int32_t>(c.place % kTileSide),
+                         static_cast<std::int32_t>(c.place / kTileSide)};
+    const bool amid = vertices.is_amid(here.col, here.row, 1 << c.level);
+    const Children below = children(here);
     for (int k = 0; k < below.count; ++k) {
       const GridPoint p = below.at[static_cast<std::size_t>(k)];
-      if (!vertices.has(p.col, p.row)) continue;
-      const std::uint32_t place = static_cast<std::uint32_t>(p.row * kTileSide + p.col);
-      const std::int64_t error = errors[vertices.index(place) - slice.posts.size()];
+      if (!(amid ? vertices.has_inside(p.col, p.row) : vertices.has(p.col, p.row))) continue;
+      const std::int64_t error = errors[static_cast<std::size_t>(p.row * kTileSide + p.col)];
       if (error >= least) least = error, source = 2;
     }
     return {std::min<std::int64_t>(least, kMostEighths - 1),
@@ -331,20 +340,19 @@ struct SliceCoder::Scratch {
     return kOfEighths + std::min<int>(found[i].level, kErrorLevels - 1);
   }
 
+  void begin_covers() {
+    covers.resize(kPlaces);
+    for (std::size_t i = 0; i < slice.posts.size(); ++i) covers[place_of_post(i)] = 15;
+  }
   /// Whether a parent in the slice has triangles without data.
-  [[nodiscard]] int context_of_covers(std::size_t i) {
-    const Candidate& c = found[i];
+  [[nodiscard]] int context_of_covers(const Candidate& c) const {
     bool all = true;
-    for (int k = 0; k < 2; ++k) {
-      const std::size_t parent = c.has_apex[k] ? vertices.index(c.apexes[k]) : 0;
-      all = all && (parent < slice.posts.size() || covers[parent - slice.posts.size()] == 15);
-    }
+    for (int k = 0; k < 2; ++k) all = all && (!c.has_apex[k] || covers[c.apexes[k]] == 15);
     return kOfCovers + (all ? 0 : 1);
   }
 
   void add(const Candidate& c, std::int64_t number) {
-    vertices.index(c.place) = static_cast<std::uint32_t>(numbers.size());
-    numbers.push_back(number);
+    numbers[c.place] = static_cast<std::int32_t>(number);
     found.push_back(c);
   }
 };
@@ -381,7 +389,7 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   s.out.clear();
   for (std::size_t i = 0; i < posts; ++i) {
     s.out.put(zigzag(numbers[i] - (i == 0 ? 0 : numbers[i % kTileBlocks == 0 ? i - kTileBlocks : i - 1])), kOfPosts);
-    s.numbers.push_back(numbers[i]);
+    s.numbers[Scratch::place_of_post(i)] = static_cast<std::int32_t>(numbers[i]);
   }
   std::vector<std::uint32_t> by_place(slice.size());  // sorted
   for (std::uint32_t i = 0; i < by_place.size(); ++i) by_place[i] = i;
@@ -407,7 +415,7 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   s.shift = s.usual_shift();
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Expected expected = s.expect(s.found[i]);
-    s.out.put(zigzag(s.numbers[posts + i] - expected.number), expected.context);
+    s.out.put(zigzag(s.number_at(s.found[i].place) - expected.number), expected.context);
   }
   const auto is_above = [&](std::int32_t error) { return error > slice.above; };
   std::size_t above_found = 0;
@@ -415,31 +423,34 @@ std::vector<std::byte> SliceCoder::encode(TileId id, GridRect extent, const Code
   if (static_cast<std::ptrdiff_t>(above_found) != std::count_if(slice.errors.begin(), slice.errors.end(), is_above))
     return nothing;
   if (slice.is_all && order.size() != slice.size()) return nothing;
-  s.errors.resize(order.size());
   std::vector<Expected> least(order.size());
   bool may_be_less = false, some_are_not_above = false;
   for (std::size_t i = order.size(); i-- > 0;) {
-    s.errors[i] = slice.errors[order[i]];
+    const std::int32_t error = slice.errors[order[i]];
+    s.errors[s.found[i].place] = error;
     least[i] = s.least_error(i);
-    may_be_less = may_be_less || (s.errors[i] > slice.above && s.errors[i] < least[i].number);
-    some_are_not_above = some_are_not_above || s.errors[i] <= slice.above;
+    may_be_less = may_be_less || (error > slice.above && error < least[i].number);
+    some_are_not_above = some_are_not_above || error <= slice.above;
   }
   for (std::size_t i = 0; some_are_not_above && i < order.size(); ++i)
-    s.out.put(s.errors[i] > slice.above ? 0 : 1, kOfAbove);
+    s.out.put(slice.errors[order[i]] > slice.above ? 0 : 1, kOfAbove);
   for (std::size_t i = order.size(); i-- > 0;) {
-    if (s.errors[i] <= slice.above) continue;
+    const std::int32_t error = slice.errors[order[i]];
+    if (error <= slice.above) continue;
     const auto least_here = static_cast<std::int32_t>(least[i].number);
-    const std::int32_t rung = s.rung_of(s.errors[i]), more = rung - s.rung_of(least_here);
+    const std::int32_t rung = s.rung_of(error), more = rung - s.rung_of(least_here);
     s.out.put(may_be_less ? zigzag(more) : static_cast<std::uint64_t>(more), least[i].context);
     if (!distance.is_whole()) continue;
     const bool is_above_least = more == 0 && !may_be_less;
-    s.out.put(static_cast<std::uint64_t>(is_above_least ? s.errors[i] - least_here : s.error_at(rung) - s.errors[i]),
+    s.out.put(static_cast<std::uint64_t>(is_above_least ? error - least_here : s.error_at(rung) - error),
               s.context_of_eighths(i));
   }
   const bool has_covers = std::any_of(slice.covers.begin(), slice.covers.end(), [](auto c) { return c != 15; });
+  if (has_covers) s.begin_covers();
   for (std::size_t i = 0; has_covers && i < order.size(); ++i) {
-    s.covers.push_back(slice.covers[order[i]]);
-    s.out.put(s.covers.back() ^ 15u, s.context_of_covers(i));
+    const Candidate& c = s.found[i];
+    s.out.put(slice.covers[order[i]] ^ 15u, s.context_of_covers(c));
+    s.covers[c.place] = slice.covers[order[i]];
   }
   std::vector<std::byte> bytes = head_of(slice.above);
   bytes[1] = static_cast<std::byte>((has_covers ? kHasCovers : 0) | (may_be_less ? kErrorsMayBeLess : 0) |
@@ -461,8 +472,14 @@ bool SliceCoder::has(std::uint32_t place) const {
   return scratch_->vertices.has(at % kTileSide, at / kTileSide);
 }
 
-std::size_t SliceCoder::index_of(std::uint32_t place) const {
-  return scratch_->vertices.index(place) - scratch_->slice.posts.size();
+double SliceCoder::height_at(std::uint32_t place) const {
+  return scratch_->height_of_number(scratch_->number_at(place));
+}
+
+std::int32_t SliceCoder::error_at(std::uint32_t place) const { return scratch_->errors[place]; }
+
+std::uint8_t SliceCoder::covers_at(std::uint32_t place) const {
+  return scratch_->slice.covers.empty() ? std::uint8_t{15} : scratch_->covers[place];
 }
 
 std::int32_t SliceCoder::threshold_of(std::span<const std::byte> bytes) {
@@ -480,8 +497,9 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
   const auto flags = std::to_integer<unsigned>(bytes[1]), coding = std::to_integer<unsigned>(bytes[2]);
   const std::int32_t most = distance.is_whole() ? kMostEighths : kAlwaysSelected;
   s.above = threshold_of(bytes);
-  s.slice = {};
-  s.slice.above = s.above;
+  TileSlice& slice = s.slice;
+  slice.above = s.above;
+  slice.places.clear(), slice.heights.clear(), slice.errors.clear(), slice.covers.clear();
   if (s.above == kNoSlice) {
     require(bytes.size() == kShortest && flags == 0 && coding == 0 && bytes[3] == std::byte{0}, "bytes follow it");
     return s.slice;
@@ -501,15 +519,17 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
   s.distance = distance;
   s.begin(id, extent);
   s.in.start(bytes.subspan(kHead + bit_bytes));
-  TileSlice& slice = s.slice;
   const auto number_near = [&](std::int64_t expected, int context) {
     const std::uint64_t added = s.in.get(context);
     const std::int64_t number = expected + unzigzag(added & 0xffffffffffff);  // so that the sum does not overflow
     require(added >> 48 == 0 && number >= -kMostNumber && number <= kMostNumber, "a height is impossible");
     return number;
   };
-  for (std::size_t i = 0; i < slice.posts.size(); ++i)
-    s.numbers.push_back(number_near(i == 0 ? 0 : s.numbers[i % kTileBlocks == 0 ? i - kTileBlocks : i - 1], kOfPosts));
+  for (std::size_t i = 0; i < slice.posts.size(); ++i) {
+    const std::size_t before = i % kTileBlocks == 0 ? i - kTileBlocks : i - 1;
+    const std::int64_t expected = i == 0 ? 0 : s.numbers[Scratch::place_of_post(before)];
+    s.numbers[Scratch::place_of_post(i)] = static_cast<std::int32_t>(number_near(expected, kOfPosts));
+  }
   std::size_t at = 0;
   s.vertices.for_each_candidate(
       [&](std::uint32_t) {
@@ -521,21 +541,22 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
       [&](const Candidate& c) {
         const Expected expected = s.expect(c);
         s.add(c, number_near(expected.number, expected.context));
+        s.errors[c.place] = s.above + 1;
       });
   require((at + 7) / 8 == bits.size() && (at % 8 == 0 || std::to_integer<unsigned>(bits.back()) >> (at % 8) == 0),
           "it has too many candidates");
-  const std::size_t count = s.found.size(), posts = slice.posts.size();
+  const std::size_t count = s.found.size();
   const bool may_be_less = (flags & kErrorsMayBeLess) != 0;
-  s.errors.assign(count, s.above + 1);
   if ((flags & kSomeAreNotAbove) != 0) {
-    for (std::int32_t& error : s.errors) {
+    for (const Candidate& c : s.found) {
       const std::uint64_t is_not_above = s.in.get(kOfAbove);
       require(is_not_above <= 1, "an error is impossible");
-      error -= static_cast<std::int32_t>(is_not_above);
+      s.errors[c.place] -= static_cast<std::int32_t>(is_not_above);
     }
   }
   for (std::size_t i = count; i-- > 0;) {
-    if (s.errors[i] == s.above) continue;
+    std::int32_t& here = s.errors[s.found[i].place];
+    if (here == s.above) continue;
     const Expected least = s.least_error(i);
     const auto least_here = static_cast<std::int32_t>(least.number);
     const std::uint64_t number = s.in.get(least.context);
@@ -548,22 +569,27 @@ const TileSlice& SliceCoder::decode(TileId id, GridRect extent, const CodeDistan
                                    ? std::int64_t{least_here} + static_cast<std::int64_t>(eighths)
                                    : s.error_at(static_cast<std::int32_t>(rung)) - static_cast<std::int64_t>(eighths);
     require(error > s.above && error < most, "an error is impossible");
-    s.errors[i] = static_cast<std::int32_t>(error);
+    here = static_cast<std::int32_t>(error);
   }
-  slice.errors = s.errors;
-  slice.places.resize(count), slice.heights.resize(count);
+  slice.places.resize(count), slice.heights.resize(count), slice.errors.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    slice.places[i] = s.found[i].place;
-    slice.heights[i] = s.height_of_number(s.numbers[posts + i]);
+    const std::uint32_t place = s.found[i].place;
+    slice.places[i] = place;
+    slice.heights[i] = s.height_of_number(s.number_at(place));
+    slice.errors[i] = s.errors[place];
     require(std::isfinite(slice.heights[i]), "a height is not a finite number");
   }
-  for (std::size_t i = 0; i < posts; ++i) slice.posts[i] = s.height_of_number(s.numbers[i]);
-  for (std::size_t i = 0; (flags & kHasCovers) != 0 && i < count; ++i) {
-    const std::uint64_t missing = s.in.get(s.context_of_covers(i));
+  for (std::size_t i = 0; i < slice.posts.size(); ++i)
+    slice.posts[i] = s.height_of_number(s.number_at(static_cast<std::uint32_t>(Scratch::place_of_post(i))));
+  const bool has_covers = (flags & kHasCovers) != 0;
+  slice.covers.resize(has_covers ? count : 0);
+  if (has_covers) s.begin_covers();
+  for (std::size_t i = 0; i < slice.covers.size(); ++i) {
+    const Candidate& c = s.found[i];
+    const std::uint64_t missing = s.in.get(s.context_of_covers(c));
     require(missing <= 15, "the triangles around a vertex are impossible");
-    s.covers.push_back(static_cast<std::uint8_t>(missing ^ 15u));
+    slice.covers[i] = s.covers[c.place] = static_cast<std::uint8_t>(missing ^ 15u);
   }
-  slice.covers = s.covers;
   require(s.in.is_intact(), "it has too few or too many bits");
   return slice;
 }

@@ -89,8 +89,10 @@ class SliceCoder {
 
   /// Whether the slice decoded last has the vertex of spacing 1 to 32 at this place.
   [[nodiscard]] bool has(std::uint32_t place) const;
-  /// Which of the vertices of that slice it is. Only for one that it has.
-  [[nodiscard]] std::size_t index_of(std::uint32_t place) const;
+  /// What that vertex has; it must be in that slice.
+  [[nodiscard]] double height_at(std::uint32_t place) const;
+  [[nodiscard]] std::int32_t error_at(std::uint32_t place) const;
+  [[nodiscard]] std::uint8_t covers_at(std::uint32_t place) const;
 
  private:
   struct Scratch;

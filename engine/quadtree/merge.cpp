@@ -40,12 +40,16 @@ RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPo
     if (region.contains(p)) dropped.insert(p);
   }
   const auto stays = [&](GridPoint p) { return region.contains(p) && (gone.empty() || !dropped.contains(p)); };
-  VertexMask vertices(region);
-  std::size_t count = 0;
-  added.vertices.for_each([&](GridPoint p) { vertices.insert(p), ++count; });
-  kept.vertices.for_each([&](GridPoint p) {
-    if (stays(p)) vertices.insert(p), ++count;
-  });
+  VertexMask vertices = added.vertices;
+  std::size_t count = added.vertices.size();
+  if (gone.empty() && kept.vertices.region() == region) {
+    vertices.insert(kept.vertices);
+    count += kept.vertices.size();
+  } else {
+    kept.vertices.for_each([&](GridPoint p) {
+      if (stays(p)) vertices.insert(p), ++count;
+    });
+  }
   vertices.seal();
   if (vertices.size() != count) refuse("a new vertex is already in the answer");
 

@@ -39,6 +39,11 @@ void VertexMask::ranks(std::span<const GridPoint> points, std::span<std::uint32_
   has_popcnt() ? ranks_popcnt(*this, points, out) : ranks_of(*this, points, out);
 }
 
+void VertexMask::insert(const VertexMask& other) {
+  if (!(other.region_ == region_)) refuse("the two sets of vertices are of different regions");
+  for (std::size_t w = 0; w < words_.size(); ++w) words_[w] |= other.words_[w];
+}
+
 void VertexMask::seal() {
   before_.resize(words_.size());
   const std::size_t count = has_popcnt() ? count_before_popcnt(words_, before_) : count_before(words_, before_);

@@ -32,6 +32,9 @@ class VertexMask {
     const auto [word, bit] = place(p);
     words_[word] |= std::uint64_t{1} << bit;
   }
+  /// Inserts all members of a mask of the same region.
+  /// fails  invalid_argument: of another region
+  void insert(const VertexMask& other);
   /// The bits of one row: bit i of word w is column region().first.col + 64w + i. Bits beyond the last column are 0.
   [[nodiscard]] std::span<std::uint64_t> row_words(std::int32_t row) {
     return {words_.data() + place({region_.first.col, row}).word, words_per_row_};

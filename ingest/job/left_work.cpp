@@ -79,7 +79,7 @@ class Check {
     const Found found = decoded(id);
     if (found.generation != summary.entry.generation)
       refuse(fmt::format("{} and the record of its tile are from different updates", name(id)));
-    if (keeps_all_ || found.page.is_sliced) slice(id, found.generation);
+    if (keeps_all_ || found.page.is_sliced()) slice(id, found.generation);
     const auto children = found.page.children;
     for (std::size_t i = 0; i < children.size(); ++i) {
       const PageId below = child_page(id, i);

@@ -16,8 +16,8 @@ std::uint64_t bytes_of(const std::vector<T>& v) {
 
 std::uint64_t bytes_of(const Page& page) {
   return sizeof(Page) + bytes_of(page.squares) + bytes_of(page.heights) + bytes_of(page.errors) + bytes_of(page.coded) +
-         bytes_of(page.eighths) + bytes_of(page.distances) + bytes_of(page.valid) + bytes_of(page.covers) +
-         bytes_of(page.children);
+         bytes_of(page.in_slice) + bytes_of(page.eighths) + bytes_of(page.distances) + bytes_of(page.valid) +
+         bytes_of(page.covers) + bytes_of(page.children);
 }
 
 }  // namespace

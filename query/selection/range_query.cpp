@@ -169,7 +169,7 @@ class RangeQuery {
     watch_.look();
     std::int64_t settled = area_of(wanted.id);
     const TileSlice* slice = slice_for(wanted, worker);
-    if (slice != nullptr && has_all_forced(wanted.id, *slice, worker)) {
+    if (slice != nullptr && has_all_forced(wanted.id, worker)) {
       worker.fates.replace(wanted.id);
       select(
           *slice, wanted.id, [](GridPoint) { return true; }, worker);
@@ -204,14 +204,10 @@ class RangeQuery {
     settle(settled, worker);
   }
 
-  /// A slice may have vertices of pages that are not stored. The border does not need those, and they have no triangles.
-  [[nodiscard]] static bool has_triangle(const TileSlice& slice, std::uint32_t place, const Worker& worker) {
-    return slice.covers.empty() || slice.covers[worker.decoder->slices.index_of(place)] != 0;
-  }
-
   /// Whether the slice decoded last has all vertices of its tile that the border needs. They are then listed in
   /// `forced_of_slice`; otherwise that is empty.
-  [[nodiscard]] bool has_all_forced(PageId tile, const TileSlice& slice, Worker& worker) const {
+  [[nodiscard]] bool has_all_forced(PageId tile, Worker& worker) const {
+    const SliceCoder& slices = worker.decoder->slices;
     std::vector<std::uint32_t>& places = worker.forced_of_slice;
     places.clear();
     if (!is_forced(tile)) return true;
@@ -221,7 +217,8 @@ class RangeQuery {
       if (found == forced_.end()) return;
       for (const GridPoint p : found->second) {
         places.push_back(place_in_tile(p));
-        has_all = has_all && worker.decoder->slices.has(places.back()) && has_triangle(slice, places.back(), worker);
+        // A slice may have vertices of pages that are not stored. The border does not need those: they have no triangles.
+        has_all = has_all && slices.has(places.back()) && slices.covers_at(places.back()) != 0;
       }
     };
     look(tile);

@@ -78,7 +78,7 @@ std::string difference(const Rules& rules, const PageGrid& grid, PageId id, cons
     if (band_of(p, rules.manifest.bands) != id.band) return false;
     const auto at = [&] { return fmt::format("at column {}, row {}", p.col, p.row); };
     ErrorCode error = computed.error(p);
-    if (page != nullptr && page->is_sliced && rules.dropped && error <= *rules.dropped) error = 0;
+    if (page != nullptr && page->is_sliced() && rules.dropped && error <= *rules.dropped) error = 0;
     const bool is_data = page != nullptr && page->is_data(i);
     const std::uint8_t covers = page == nullptr        ? std::uint8_t{0}
                                 : page->covers.empty() ? std::uint8_t{15}

@@ -74,7 +74,7 @@ class PageChecks {
 
   /// Checks the errors of own vertices. Reports each kind of finding once per page.
   void check_own(const Page& page) {
-    if (page.is_sliced && !drops_)
+    if (page.is_sliced() && !drops_)
       findings_.in(page.id, "heights were left out, but the header says that all were kept");
     any_sample(page.grid, [&](std::size_t i, GridPoint p) {
       if (!page.is_own(p) || spacing(p) == kRootSpacing) return false;

@@ -37,7 +37,7 @@ class SliceChecks {
   [[nodiscard]] bool has_slice(PageId tile) {
     if (keeps_all_) return true;
     const DecodedPages::Found found = decoded_.get(tile);
-    return found.page && found.page->is_sliced;
+    return found.page && found.page->is_sliced();
   }
   /// Whether a slice has a vertex that is not above its threshold.
   [[nodiscard]] bool is_needed(GridPoint p) const {

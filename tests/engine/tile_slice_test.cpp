@@ -275,7 +275,7 @@ TEST(TileSlice, PagesInItHaveItsHeightsAndErrors) {
       if (page.grid.size() == 0) continue;
       const auto bytes = encoder.encode_in_slice(page, digest_of(s.bytes));
       const Page& back = decoder.decode(page_id, extent, page.bands, distance, bytes, s.given());
-      EXPECT_TRUE(back.is_sliced);
+      EXPECT_TRUE(back.is_sliced());
       EXPECT_EQ(back.valid, page.valid);
       EXPECT_EQ(back.covers, page.covers);
       for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {

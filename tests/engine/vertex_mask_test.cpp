@@ -11,6 +11,7 @@
 
 #include "talus/quadtree.hpp"
 #include "tests/engine/fields.hpp"
+#include "tests/support/failure_of.hpp"
 
 namespace talus::support {
 namespace {
@@ -79,6 +80,11 @@ TEST(VertexMask, AnEmptyOneHasNoMembers) {
   mask.for_each([](GridPoint) { FAIL(); });
 }
 
+TEST(VertexMask, TakesASetOfTheSameRegionOnly) {
+  VertexMask mask({{0, 0}, {9, 9}});
+  EXPECT_EQ(failure_of([&] { mask.insert(VertexMask({{0, 0}, {9, 10}})); })->cause(), Cause::invalid_argument);
+}
+
 /// A mask and a vector of bools side by side.
 struct Both {
   explicit Both(GridRect r)
@@ -119,7 +125,14 @@ TEST(VertexMask, IsAVectorOfBoolsWhateverIsDoneToIt) {
     const auto any_point = [&] { return GridPoint{random.between(region.first.col, region.last.col), any_row()}; };
     Both both(region);
     for (int operations = 12; operations > 0; --operations) {
-      switch (random.between(0, 4)) {
+      switch (random.between(0, 5)) {
+        case 5: {  // another set
+          Both other(region);
+          for (int i = 0; i < 50; ++i) other.insert(any_point());
+          both.mask.insert(other.mask);
+          for (std::size_t i = 0; i < both.plain.size(); ++i) both.plain[i] = both.plain[i] || other.plain[i];
+          break;
+        }
         case 0:
           for (int i = 0; i < 50; ++i) both.insert(any_point());
           break;

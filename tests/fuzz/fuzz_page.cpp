@@ -1,13 +1,18 @@
 // Arbitrary bytes as a page: refused as corrupt, or a page that encodes to the same page again.
 //
-// The first byte chooses which page of which database the rest claims to be.
+// The first byte chooses which page of which database the rest claims to be. With bit 64 it may be in a slice: two bytes say
+// how long the page is, the rest is the slice, and the page is told its digest.
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <span>
+#include <vector>
 
+#include "engine/page/digest.hpp"
 #include "engine/page/page_codec.hpp"
 #include "talus/failure.hpp"
 #include "tests/support/given_page.hpp"
@@ -54,6 +59,31 @@ bool is_same(const Page& a, const Page& b, const CodeDistance& distance) {
   return true;
 }
 
+/// A page in a slice has the heights of that and nothing of its own.
+void look_at_page_in_slice(PageId id, GridRect extent, const CodeDistance& distance, std::span<const std::byte> input) {
+  if (input.size() < 2) return;
+  const std::size_t length = std::to_integer<std::size_t>(input[0]) + 256 * std::to_integer<std::size_t>(input[1]);
+  input = input.subspan(2);
+  std::vector<std::byte> bytes(input.begin(),
+                               input.begin() + static_cast<std::ptrdiff_t>(std::min(length, input.size())));
+  const auto slice = input.subspan(bytes.size());
+  const std::uint64_t digest = digest_of(slice);
+  for (std::size_t i = 0; i < 8 && bytes.size() >= 16; ++i) bytes[8 + i] = static_cast<std::byte>(digest >> (8 * i));
+  const auto other = [&](PageId, PageDecoder::Content what) {
+    return what == PageDecoder::Content::slice ? slice : std::span<const std::byte>();
+  };
+  const int bands = band_count(extent);
+  PageDecoder decoder, again;
+  const Page page = decoder.decode(id, extent, bands, distance, bytes, other);
+  if (!page.is_sliced()) return;
+  const auto written = PageEncoder().encode_in_slice(page, digest);
+  const Page& same = again.decode(id, extent, bands, distance, written, other);
+  require(same.valid == page.valid && same.covers == page.covers && same.errors == page.errors);
+  require(std::memcmp(same.in_slice.data(), page.in_slice.data(), sizeof(SquareBits)) == 0 &&
+          same.heights == page.heights);
+  for (std::size_t i = 0; i < page.heights.size(); ++i) require(std::isfinite(page.heights[i]));
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -65,6 +95,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
   PageDecoder decoder, again;
   try {
+    if ((data[0] & 64) != 0) look_at_page_in_slice(id, extent, distance, bytes);
     const Page page = support::given_page(decoder.decode(id, extent, bands, distance, bytes), distance);
     for (const double h : page.heights) require(std::isfinite(h));
     for (const ErrorCode e : page.errors) require(e <= kAlwaysSelected);

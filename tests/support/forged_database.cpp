@@ -52,9 +52,9 @@ void Forgery::put(const Page& page) {
   static PageEncoder encoder;  // its tables take long to make
   const TileId tile = tile_with(page.id);
   stored[key(page.id)].content =
-      page.is_sliced ? encoder.encode_in_slice(
-                           page, digest_of(stored.at({kSliceTable, curve_position({1, tile.x, tile.y})}).content))
-                     : encoder.encode(page, distance());
+      page.is_sliced() ? encoder.encode_in_slice(
+                             page, digest_of(stored.at({kSliceTable, curve_position({1, tile.x, tile.y})}).content))
+                       : encoder.encode(page, distance());
 }
 
 TileSummary Forgery::record(int x, int y) const {
