@@ -20,6 +20,24 @@ std::string spelled(GridRect r) {
   return fmt::format("columns {} to {}, rows {} to {}", r.first.col, r.last.col, r.first.row, r.last.row);
 }
 
+/// Heights and covers of the members of two sets of one region that have none in common, in the order of both together.
+void join(const RestrictedQuadtree& one, const RestrictedQuadtree& other, RestrictedQuadtree& all) {
+  std::size_t of_one = 0, of_other = 0, to = 0;
+  const auto take = [&](const RestrictedQuadtree& from, std::size_t i) {
+    all.heights[to] = from.heights[i];
+    if (!from.covers.empty()) all.covers[to] = from.covers[i];
+    ++to;
+  };
+  const GridRect region = one.vertices.region();
+  for (std::int32_t row = region.first.row; row <= region.last.row; ++row) {
+    const auto in_one = one.vertices.row_words(row), in_other = other.vertices.row_words(row);
+    for (std::size_t w = 0; w < in_one.size(); ++w) {
+      for (std::uint64_t rest = in_one[w] | in_other[w]; rest != 0; rest &= rest - 1)
+        (in_other[w] & rest & -rest) != 0 ? take(other, of_other++) : take(one, of_one++);
+    }
+  }
+}
+
 }  // namespace
 
 RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPoint> gone,
@@ -42,7 +60,8 @@ RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPo
   const auto stays = [&](GridPoint p) { return region.contains(p) && (gone.empty() || !dropped.contains(p)); };
   VertexMask vertices = added.vertices;
   std::size_t count = added.vertices.size();
-  if (gone.empty() && kept.vertices.region() == region) {
+  const bool is_joined = gone.empty() && kept.vertices.region() == region;
+  if (is_joined) {
     vertices.insert(kept.vertices);
     count += kept.vertices.size();
   } else {
@@ -66,8 +85,12 @@ RestrictedQuadtree united(const RestrictedQuadtree& kept, std::span<const GridPo
       ++i;
     });
   };
-  put(kept, stays);
-  put(added, [](GridPoint) { return true; });
+  if (is_joined) {
+    join(kept, added, all);
+  } else {
+    put(kept, stays);
+    put(added, [](GridPoint) { return true; });
+  }
   if (std::all_of(all.covers.begin(), all.covers.end(), [](std::uint8_t c) { return c == 15; })) all.covers.clear();
   all.vertices = std::move(vertices);
   return all;

@@ -1,7 +1,9 @@
 #include "query/selection/range_query.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -351,10 +353,14 @@ class RangeQuery {
   /// rest.
   void remove_coarser(const Page& page, Worker& worker) const {
     worker.selected = without(worker.selected, worker.coarser);
+    std::array<std::int16_t, kBandLevels> largest;
+    largest.fill(-1);
     for_each_bit(worker.selected, [&](int col, int row) {
-      const std::int16_t error = page.squares.front().errors.numbers[detail::SortedSquare::index_of(col, row)];
-      worker.levels.take(__builtin_ctz(static_cast<unsigned>(col | row)), error, pages_.distance());
+      std::int16_t& of_level = largest[static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(col | row)))];
+      of_level = std::max(of_level, page.squares.front().errors.numbers[detail::SortedSquare::index_of(col, row)]);
     });
+    for (int level = 0; level < kBandLevels; ++level)
+      worker.levels.take(level, largest[static_cast<std::size_t>(level)], pages_.distance());
   }
 
   /// The same for vertices of a dense page whose errors are codes.
