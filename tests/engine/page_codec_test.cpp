@@ -169,6 +169,48 @@ TEST(PageCodec, DecodeOfEncodeIsThePageForEveryShape) {
   }
 }
 
+/// Whether a triangle has a finest one with three valid corners, by splitting it.
+template <class IsValid>
+bool holds_data(const Triangle& t, const IsValid& is_valid) {
+  if (spacing(t.apex) == 1 && !is_centre(t.apex)) return is_valid(t.apex) && is_valid(t.left) && is_valid(t.right);
+  const GridPoint split = midpoint(t.left, t.right);
+  return holds_data({split, t.apex, t.left}, is_valid) || holds_data({split, t.apex, t.right}, is_valid);
+}
+
+/// Covers inside a page that are what its voids say take no bytes; the format says so, and readers rely on it.
+TEST(PageCodec, CoversThatFollowFromVoidsAreNotStored) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    PageKind kind;
+    kind.extent = {{-500, -500}, {700, 700}};
+    Page page = random_page(random, kind, smooth);
+    page.valid.assign(page.grid.size(), 1);
+    for (int voids = random.between(1, seed % 2 == 0 ? 5 : 4000); voids > 0; --voids)
+      page.valid[static_cast<std::size_t>(random.between(0, kPageSide * kPageSide - 1))] = 0;
+    page.covers.assign(page.grid.size(), 0);
+    std::size_t inner = 0;
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      if (!page.is_own(p)) return;
+      const auto triangles = apex_triangles(p);
+      unsigned covers = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto is_valid = [&](GridPoint q) {
+          const bool is_here = q.col >= 0 && q.row >= 0 && q.col < kPageSide && q.row < kPageSide;
+          return !is_here || page.valid[page.index(q)] != 0;
+        };
+        covers |= (holds_data(triangles[k], is_valid) ? 1u : 0u) << k;
+      }
+      page.covers[i] = static_cast<std::uint8_t>(covers);
+      inner += covers != 15 ? 1 : 0;
+    });
+    EXPECT_GT(inner, 0u);
+    constexpr unsigned kInnerCoversFollow = 8;
+    EXPECT_NE(std::to_integer<unsigned>(encode(page, CodeDistance())[2]) & kInnerCoversFollow, 0u);
+    expect_round_trip(page, kind.extent);
+  }
+}
+
 TEST(PageCodec, TinyPagesAreNoSpecialCase) {
   for (const auto& [cols, rows] : {std::pair{1, 1}, {1, 2}, {2, 1}, {1, 128}, {128, 1}, {3, 3}}) {
     for (const GridPoint first : {GridPoint{0, 0}, {127, 127}, {-1, -1}, {77, -300}}) {
