@@ -169,7 +169,7 @@ Exit run_stream(const Request& request) {
   table.add("border", name_of(s.origin.border));
   if (s.is_increment) table.add("from", metres(s.from.value));
   add_bound(table, d, s.tolerance, s.bound);
-  table.add("heights", s.origin.quantum.value > 0 ? fmt::format("multiples of {} m", s.origin.quantum.value) : "exact");
+  table.add("heights", heights_text(s.origin.quantum));
   table.add("vertices", counted(s.vertices));
   table.add("size", fmt::format("{}, {:.2f} bits a vertex, the header takes {}", sized(s.bytes),
                                 8.0 * static_cast<double>(s.bytes) /

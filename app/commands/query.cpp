@@ -229,7 +229,7 @@ Table table_of(const Result& r) {
   if (const std::string why = why_coarser(r.description, r.tolerance); !why.empty()) table.add("", why);
   table.add("mesh", mesh_text(r.mesh.size(), r.mesh.triangles.size()));
   if (r.question.heights.kind != HeightKind::exact)
-    table.add("heights", fmt::format("multiples of {} m", r.answer.quadtree.origin.quantum.value));
+    table.add("heights", heights_text(r.answer.quadtree.origin.quantum));
   table.add("border", r.question.border == Border::constrain
                           ? extra(r.answer.border_vertices, ", so that neighbouring rectangles meet")
                           : name_of(r.question.border));

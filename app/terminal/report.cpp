@@ -111,6 +111,10 @@ std::string bound_text(const Description& d, Metres bound) {
   return text;
 }
 
+std::string heights_text(Metres quantum) {
+  return quantum.value > 0 ? fmt::format("multiples of {} m", quantum.value) : "exact";
+}
+
 std::string why_coarser(const Description& d, Metres tolerance) {
   const double finest = std::max(d.lossy.value, d.finest_tolerance.value);
   if (tolerance.value >= finest) return "";

@@ -52,6 +52,8 @@ void add_rectangle(Json& object, const Rectangle& asked, bool is_clipped);
 
 /// A bound, and what it means in this database.
 [[nodiscard]] std::string bound_text(const Description& description, Metres bound);
+/// What heights are multiples of; 0: they are exact.
+[[nodiscard]] std::string heights_text(Metres quantum);
 /// Why a bound is above the tolerance; empty where it is not.
 [[nodiscard]] std::string why_coarser(const Description& description, Metres tolerance);
 void add_bound(Json& object, const Description& description, Metres tolerance, Metres bound);

@@ -50,9 +50,12 @@ void require_quantum(const Description& d, Metres quantum) {
 void require_quantum(const Description& d, Metres tolerance, Metres quantum) {
   require_quantum(d, quantum);
   const double off = rounding_of(d, quantum);
-  if (off > tolerance.value - d.lossy.value) {
+  const bool keeps_all = d.kept_above().value == 0;
+  if (off > tolerance.value - (keeps_all ? d.lossy : d.finest_tolerance).value) {
     const std::string before =
-        d.lossy.value > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy.value) : "";
+        !keeps_all          ? fmt::format(", and ingest kept only the vertices for {} m", d.finest_tolerance.value)
+        : d.lossy.value > 0 ? fmt::format(", and ingest has rounded heights by up to {} m already", d.lossy.value)
+                            : "";
     refuse(
         "multiples of {} m can lie {} m from a height{}: more than the tolerance of {} m. Choose a smaller quantum or "
         "a larger tolerance",
@@ -93,6 +96,15 @@ void finish(RestrictedQuadtree& q, Metres tolerance, Metres quantum, double off)
   q.tolerance = tolerance;
   q.origin.quantum = quantum;
   for (double& error : q.level_errors) error = error > 0 ? error + off : 0;
+}
+
+/// What is compared with every sample needs them all.
+void require_all_samples(const Description& d, const char* heights) {
+  if (d.kept_above().value == 0) return;
+  fail(Cause::unsupported,
+       "{} heights are compared with every sample, and ingest kept only the vertices for {} m: ask for exact or dense "
+       "heights, or for bounded ones with a Heights::quantum",
+       heights, d.finest_tolerance.value);
 }
 
 void require_some_tolerance(const Description& d, Metres tolerance, const char* heights) {
@@ -146,6 +158,7 @@ Answer dense(const RoundedQuestion& q) {
 
 Answer bounded(const RoundedQuestion& q, Metres quantum) {
   const Description& d = q.pages.manifest().description;
+  require_all_samples(d, "bounded");
   require_some_tolerance(d, q.tolerance, "bounded");
   require_quantum(d, q.tolerance, quantum);
   Answer answer = split_answer(q, quantum, SplitHeights::rounded);
@@ -156,6 +169,7 @@ Answer bounded(const RoundedQuestion& q, Metres quantum) {
 
 Answer fitted(const RoundedQuestion& q, Metres quantum) {
   const Description& d = q.pages.manifest().description;
+  require_all_samples(d, "fitted");
   require_some_tolerance(d, q.tolerance, "fitted");
   // A finer quantum needs fewer vertices, but more bits for each: docs/accuracy.md.
   if (quantum.value == 0) quantum = Metres{(q.tolerance.value - d.lossy.value) / 2};

@@ -197,6 +197,26 @@ TEST(FinestTolerance, HeightsBetweenStepsAreRoundedWithinTheBound) {
   }
 }
 
+/// Rounding comes on top of what the database leaves out, and only samples could tell how much there is in truth.
+TEST(FinestTolerance, RoundedHeightsBeyondTheToleranceAreRefused) {
+  const Kept kept(ground(70, 40, 5, SampleType::int16, false), SampleType::int16, keeping(5));
+  const auto refusal = [&](double tolerance, Heights heights) {
+    return failure_of([&] { static_cast<void>(kept.now().ask({.tolerance = Metres{tolerance}, .heights = heights})); });
+  };
+  for (const double quantum : {10.0, 5.0, 2.0}) {
+    const Heights rounded{HeightKind::bounded, Metres{quantum}};
+    const Failure failure = refusal(5 + quantum / 2 - 0.01, rounded);
+    EXPECT_EQ(failure.cause(), Cause::invalid_argument);
+    EXPECT_NE(std::string(failure.what()).find("kept only the vertices for 5 m"), std::string::npos) << failure.what();
+    kept.expect_promise({{0, 0}, {69, 39}}, 5 + quantum / 2, 5, rounded);
+  }
+  for (const HeightKind kind : {HeightKind::bounded, HeightKind::fitted}) {
+    const Failure failure = refusal(20, {kind, Metres{0}});
+    EXPECT_EQ(failure.cause(), Cause::unsupported);
+    EXPECT_NE(std::string(failure.what()).find("compared with every sample"), std::string::npos) << failure.what();
+  }
+}
+
 /// What borders stand on is a matter of the database, not of the rectangle.
 TEST(FinestTolerance, RectanglesThatShareASideMeet) {
   const Kept kept(ground(300, 300, 12, SampleType::int16, false), SampleType::int16, keeping(30));
