@@ -117,8 +117,8 @@ def compare(program, module, model, col, row, folder):
                   f"{r['theirs'][0]:8.1f} {r['their_vertices']:9.0f} {r['their_triangles']:9.0f} {error:12.3f}")
     for tolerance, r in rows.items():
         if martini:
-            verdict(f"{tolerance} m, against GDAL and martini", r["talus"], r["theirs"], 0.25)
-            verdict(f"{tolerance} m, the same, keeping memory", r["keeping"], r["theirs"], 0.25)
+            verdict(f"{tolerance} m, against GDAL and martini", r["talus"], r["theirs"], 0.08)
+            verdict(f"{tolerance} m, the same, keeping memory", r["keeping"], r["theirs"], 0.08)
         verdict(f"{tolerance} m, against GDAL, MAX_Z_ERROR=0", r["talus"], r["lerc0"], 1.5)
         verdict(f"{tolerance} m, against GDAL, MAX_Z_ERROR={tolerance}", r["talus"], r["lerc"], 1.5)
     talus.end()
