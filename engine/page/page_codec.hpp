@@ -19,8 +19,9 @@ class PageEncoder {
   PageEncoder(PageEncoder&&) noexcept;
   PageEncoder& operator=(PageEncoder&&) noexcept;
 
-  /// decode(encode(page)) is the page, heights bit for bit, except heights that are void and not needed by a triangle. An error is implied only if the heights give exactly its code; other errors of a dense page
-  /// are rounded up to eighths. The same page always has the same bytes.
+  /// decode(encode(page)) is the page, heights bit for bit, except heights that are void and not needed by a triangle. An
+  /// error is implied only if the heights give exactly its code; other errors of a dense page are rounded up to eighths.
+  /// The same page always has the same bytes.
   ///
   /// page      has heights and errors; not in the dense form
   /// above     whether the reader has the page above it, a page of band 1 with all its heights. Then those that both have

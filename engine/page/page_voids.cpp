@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "engine/dense/square_bits.hpp"
+#include "engine/page/page.hpp"
 #include "engine/quadtree/apex_halves.hpp"
 
 namespace talus {
@@ -123,16 +123,9 @@ void walk_covers(PageId id, int bands, const PageGrid& grid, std::span<const std
   const bool is_coarsest = id.band == bands - 1;
   const int levels = is_coarsest ? kPageShift : kBandLevels;
   // Bit c of row r is about column c and row r of the page's grid.
-  SquareBits all{}, data{};
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int word = 0; word < 2; ++word) {
-      const int cols = std::clamp(grid.cols - 64 * word, 0, 64);
-      all[static_cast<std::size_t>(row)][word] = cols == 0 ? 0 : ~std::uint64_t{0} >> (64 - cols);
-    }
-    if (!valid.empty())
-      insert_row(data, 0, row, valid.subspan(grid.index(0, row), static_cast<std::size_t>(grid.cols)));
-  }
-  if (valid.empty()) data = all;
+  PageGrid here = grid;
+  here.first = {0, 0};
+  const SquareBits all = present_samples(here), data = valid.empty() ? all : marked_samples(here, valid);
   const SquareBits voids = without(all, data);
   const bool only_near_voids = inner_follow && !is_coarsest;
   std::fill(covers.begin(), covers.end(), only_near_voids ? std::uint8_t{15} : std::uint8_t{0});

@@ -212,12 +212,11 @@ void TileSlice::add(const Page& page, std::size_t i, GridPoint p, std::int32_t e
 
 void TileSlice::add_missing_parents(TileId id, GridRect extent) {
   const GridPoint corner{id.x * kTileSide, id.y * kTileSide};
-  const GridRect part = common({corner, {corner.col + kTileSide - 1, corner.row + kTileSide - 1}}, extent);
+  const GridRect part = common(page_square({1, id.x, id.y}), extent);
   std::vector<bool> is_known(static_cast<std::size_t>(kTileSide) * kTileSide);
   for (const std::uint32_t place : places) is_known[place] = true;
   for (std::size_t i = 0; i < places.size(); ++i) {  // those that are added have parents, too
-    const auto place = static_cast<std::int32_t>(places[i]);
-    for (const GridPoint parent : diamond({corner.col + place % kTileSide, corner.row + place / kTileSide}).apexes) {
+    for (const GridPoint parent : diamond(point_at(corner, places[i])).apexes) {
       if (!part.contains(parent) || spacing(parent) >= kBlockSide || is_known[place_in_tile(parent)]) continue;
       is_known[place_in_tile(parent)] = true;
       covers.resize(places.size(), 15);

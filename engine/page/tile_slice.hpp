@@ -61,6 +61,12 @@ struct TileSlice {
   return static_cast<std::uint32_t>((p.row & (kTileSide - 1)) * kTileSide + (p.col & (kTileSide - 1)));
 }
 
+/// The grid point of a place; `corner` is the tile's north-west one.
+[[nodiscard]] constexpr GridPoint point_at(GridPoint corner, std::uint32_t place) {
+  return {corner.col + static_cast<std::int32_t>(place % kTileSide),
+          corner.row + static_cast<std::int32_t>(place / kTileSide)};
+}
+
 /// Encodes and decodes slices one after the other, reusing its memory.
 class SliceCoder {
  public:

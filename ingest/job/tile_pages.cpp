@@ -17,7 +17,7 @@ constexpr double kShareOfSlice = 0.021;
 
 /// If only the vertices of a tolerance are kept, a tile is a slice if that takes at most this share of the bytes of its
 /// pages. Pages are read several times as fast.
-constexpr double kWorthSlice = 0.9;
+constexpr double kMostOfPages = 0.9;
 
 /// The triangles of p that leave the extent. No mesh has them. Their bits are 1, so that pages without voids store
 /// none.
@@ -335,37 +335,51 @@ class TilePacker {
     TileSlice slice;
     slice.above = making_.distance.counted_within(making_.kept_above);
     slice.is_all = true;
-    for (const PageBytes& page : made_.pages)
-      slice.take(decoded(page), making_.distance, [&](GridPoint p) { return is_near_border(p, making_.extent); });
+    std::vector<Page> left;
+    std::unordered_map<std::uint64_t, ErrorCode> largest;  // of what is kept in each page of band 0
+    ErrorCode most = 0;                                    // in the last page and below it
+    for (const PageBytes& bytes : made_.pages) {
+      const Page& page = decoded(bytes);
+      slice.take(page, making_.distance, [&](GridPoint p) { return is_near_border(p, making_.extent); });
+      left.push_back(without_heights(page));
+      most = keep_largest(left.back(), page, slice.above, largest);
+      if (page.id.band == 0) largest.emplace(bytes.key.position, most);
+    }
     slice.add_missing_parents(id_, making_.extent);
     put_slice(slice, 0);
     const std::vector<std::byte>& content = made_.slice->content;
     if (SliceCoder::threshold_of(content) == kNoSlice ||
-        static_cast<double>(content.size()) > kWorthSlice * static_cast<double>(bytes_in(made_.pages))) {
+        static_cast<double>(content.size()) > kMostOfPages * static_cast<double>(bytes_in(made_.pages))) {
       made_.slice.reset();
       return;
     }
     const std::uint64_t digest = digest_of(content);
-    std::unordered_map<std::uint64_t, ErrorCode> largest;  // kept, by place on the curve
-    for (PageBytes& bytes : made_.pages) {
-      const Page& page = decoded(bytes);
-      Page left;
-      left.id = page.id, left.bands = page.bands, left.grid = page.grid;
-      left.valid = page.valid, left.covers = page.covers, left.children = page.children;
-      ErrorCode most = 0;
-      for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
-        if (page.is_own(p)) most = std::max(most, page.error(i, making_.distance));
-      });
-      if (most <= slice.above) most = 0;
-      for (std::size_t i = 0; i < left.children.size(); ++i) {
-        ChildEntry& child = left.children[i];
-        if (child.present) child.largest = largest.at(curve_position(child_page(page.id, i)));
-        most = std::max(most, child.largest);
-      }
-      largest.emplace(bytes.key.position, most);
-      bytes.content = memory_.encoder.encode_in_slice(left, digest);
-      if (page.id.band == 1) made_.summary.entry.largest = most;
+    for (std::size_t i = 0; i < left.size(); ++i)
+      made_.pages[i].content = memory_.encoder.encode_in_slice(left[i], digest);
+    made_.summary.entry.largest = most;  // the last page is that of band 1
+  }
+
+  /// What is left of a page that is in a slice.
+  [[nodiscard]] static Page without_heights(const Page& page) {
+    Page left;
+    left.id = page.id, left.bands = page.bands, left.grid = page.grid;
+    left.valid = page.valid, left.covers = page.covers, left.children = page.children;
+    return left;
+  }
+  /// Sets the largest errors of child pages to those that are kept, and returns that of the page and all below it.
+  ErrorCode keep_largest(Page& left, const Page& page, std::int32_t above,
+                         const std::unordered_map<std::uint64_t, ErrorCode>& of_children) const {
+    ErrorCode most = 0;
+    for_each_sample(page.grid, [&](std::size_t i, GridPoint p) {
+      if (page.is_own(p)) most = std::max(most, page.error(i, making_.distance));
+    });
+    if (most <= above) most = 0;
+    for (std::size_t i = 0; i < left.children.size(); ++i) {
+      ChildEntry& child = left.children[i];
+      if (child.present) child.largest = of_children.at(curve_position(child_page(page.id, i)));
+      most = std::max(most, child.largest);
     }
+    return most;
   }
 
   void put_slice(const TileSlice& slice, std::uint32_t generation) {

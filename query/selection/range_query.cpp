@@ -267,8 +267,7 @@ class RangeQuery {
     worker.chosen_of_slice.clear();
     worker.points_of_slice.clear();
     for (std::uint32_t i = 0; i < slice.size(); ++i) {
-      const auto place = static_cast<std::int32_t>(slice.places[i]);
-      const GridPoint p{corner.col + place % kTileSide, corner.row + place / kTileSide};
+      const GridPoint p = point_at(corner, slice.places[i]);
       if (!region_.contains(p) || !has(p)) continue;
       const std::int32_t error = slice.errors[i];
       const std::vector<std::uint32_t>& forced = worker.forced_of_slice;

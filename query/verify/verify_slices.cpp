@@ -115,9 +115,7 @@ class SliceChecks {
   std::size_t missing_parents(PageId tile, const TileSlice& slice) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < slice.size() && !slice.covers.empty(); ++i) {
-      const GridPoint corner = page_square(tile).first;
-      const auto place = static_cast<std::int32_t>(slice.places[i]);
-      const GridPoint p{corner.col + place % kTileSide, corner.row + place / kTileSide};
+      const GridPoint p = point_at(page_square(tile).first, slice.places[i]);
       const PageId id = page_of(p, band_of(p, pages_.manifest().bands));
       const bool is_stored = pages_.transaction().has({id.band, curve_position(id)});
       count += !is_stored && slice.errors[i] == slice.above && slice.covers[i] == 0 ? 1 : 0;
